@@ -1,0 +1,23 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Reading a file at once; writing one whole or not at all (temporary name, flush, rename). */
+#ifndef OPTLA_WHOLE_FILE_H
+#define OPTLA_WHOLE_FILE_H
+
+#include "base/base_impl.h"
+
+/* Bytes of a regular file (one zero byte after them that count does not include); OPTLA_ERR_INPUT if it doesn't exist or is a
+   directory, OPTLA_ERR_NOMEM over the memory limit. Notes the file as an input. */
+optla_status optla_read_file_(optla_ctx *ctx, const char *path, void **bytes, size_t *count);
+optla_status optla_write_file_(optla_ctx *ctx, const char *path, const void *bytes, size_t count);
+/* A temporary name beside path, for writers that need a name. finish: sync + rename (commit) or remove; frees and clears *temporary. */
+optla_status optla_temporary_begin_(optla_ctx *ctx, const char *path, char **temporary);
+optla_status optla_temporary_finish_(optla_ctx *ctx, const char *path, char **temporary, bool commit);
+/* "dir/name" joined; absolute name: name alone. NULL on failure. */
+char *optla_path_join_(optla_ctx *ctx, const char *dir, const char *name);
+/* Directory part of path ("." if none). NULL on failure. */
+char *optla_path_dir_(optla_ctx *ctx, const char *path);
+bool optla_path_exists_(const char *path);
+/* mkdir -p */
+optla_status optla_make_dirs_(optla_ctx *ctx, const char *path);
+
+#endif
