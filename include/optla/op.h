@@ -76,6 +76,14 @@ typedef struct {
 	/** Computes y; sizes and types have been checked, x and y don't overlap, y is uninitialised. Only OPTLA_FORWARD and
 	    OPTLA_TRANSPOSE reach a real operator; a complex one gets those two as well, the adjoint is made by conjugation. */
 	optla_status (*apply)(void *user, optla_trans trans, optla_cblock x, optla_block y);
+	/** Light only: as apply with the projector's power given. full_power[k] (> 0, >= max x_k) is the value of x that the projector's
+	    full power stands for while column k is exposed:
+
+	        y_k = T x_k + full_power[k] (ambient light + noise)
+
+	    Given instead of apply, which is then expose with full_power[k] = max x_k (1 for a column of zeros). An operator whose y
+	    doesn't depend on the power (a plain matrix) gives apply and leaves this NULL. */
+	optla_status (*expose)(void *user, optla_trans trans, optla_cblock x, const double *full_power, optla_block y);
 	void (*destroy)(void *user); /**< NULL: nothing to do. Called even when optla_op_create() fails */
 	/** Adds photos and exposure_s of the products so far; NULL for an operator without a camera of its own. */
 	void (*cost)(void *user, optla_op_cost *cost);
@@ -102,6 +110,14 @@ OPTLA_API void optla_op_unref(optla_op **op);
  * One thread at a time for each operator.
  */
 OPTLA_API optla_status optla_op_apply(optla_op *op, optla_trans trans, optla_cblock x, optla_block y);
+
+/**
+ * As optla_op_apply() with the projector's power chosen: full_power[k] is the value of x that full power stands for in column k, at
+ * least max x_k. Photos taken at one power hold the same ambient light, so their difference holds none (Eq. 2.4): that is what the
+ * signed operator needs. Operators that don't depend on the power ignore it.
+ * @return as optla_op_apply(); OPTLA_ERR_ARG too when a full_power isn't positive and finite or is below max x_k.
+ */
+OPTLA_API optla_status optla_op_expose(optla_op *op, optla_trans trans, optla_cblock x, const double *full_power, optla_block y);
 
 OPTLA_API optla_ctx *optla_op_ctx(const optla_op *op);
 OPTLA_API const char *optla_op_name(const optla_op *op);
@@ -142,10 +158,11 @@ OPTLA_API optla_status optla_op_checked(optla_op *a, optla_op **out);
 
 /** How a signed pattern becomes light. */
 typedef enum {
-	/** T p = T p₊ - T p₋: two photos for each product; ambient light and black level cancel (Eqs. 2.3, 2.4). */
+	/** T p = T p₊ - T p₋: two photos for each product, both exposed at full power max |p|, so that ambient light and black level cancel
+	    (Eqs. 2.3, 2.4). */
 	OPTLA_SPLIT_SIGNED,
-	/** T p = (T(p + c 1) - dark) - c (T1 - dark), c = max(0, -min p): one photo for each product, plus T1 and the dark frame,
-	    taken once for each direction. */
+	/** T p = (y(p + c 1) - s dark) - c (y(1) - dark), c = max(0, -min p), s = max(p + c 1): one photo for each product, plus y(1) and
+	    the dark frame y(0) at full power 1, taken once for each direction. */
 	OPTLA_SPLIT_OFFSET,
 	/** Product by product, whichever is expected to have less noise for the light spent, see optla_op_signed(). */
 	OPTLA_SPLIT_AUTO

@@ -96,8 +96,9 @@ OPTLA_API extern const optla_option_table optla_rig_operator_table;
  *
  *     y = max(x) (sensor⁻¹(sensor(E (T x/max(x) + a)))) / E,   E the energy of full power for one exposure
  *
- * so y holds T x plus max(x)·a plus noise. x = 0 gives the dark frame (ambient light and noise, scale 1). For Tᵀ the roles swap and the
- * projector's side has a sensor of the same kind with its own full power. Ambient light enters both directions.
+ * so y holds T x plus max(x)·a plus noise. x = 0 gives the dark frame (ambient light and noise, scale 1). optla_op_expose() replaces
+ * max(x) by a power of the caller's choice (>= max(x)), so that two photos can hold the same ambient light. For Tᵀ the roles swap and
+ * the projector's side has a sensor of the same kind with its own full power. Ambient light enters both directions.
  */
 OPTLA_API optla_status optla_rig_light_operator(optla_rig *rig, const optla_rig_operator_options *options, optla_op **out);
 /** optla_op_signed() of the light operator: what Krylov methods use. */
