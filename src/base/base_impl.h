@@ -31,6 +31,20 @@ optla_status optla_fail_(optla_ctx *ctx, optla_status code, const char *where, c
 /* level: 0 warning, 1 information, 2 detail */
 void optla_log_(optla_ctx *ctx, int level, const char *format, ...) OPTLA_PRINTF(3, 4);
 
+/* ---- parallel loops ----
+   optla_fail_, optla_log_, optla_report_, optla_note_input_ and the allocator may be used from parallel loops: the context's lock makes
+   the handlers be called by one thread at a time. Where several items may fail, fork a child for each item, so that what is reported
+   and the order of the noted inputs don't depend on which thread was first. */
+
+/* The lock may be taken again by the thread that holds it (a handler may call into the library). */
+void optla_ctx_lock_(optla_ctx *ctx);
+void optla_ctx_unlock_(optla_ctx *ctx);
+/* A context for one item: the parent's allocator, limit, log and cancel flag, one thread; it keeps its error and its inputs to itself.
+   Objects made with it must be given to the parent (object->ctx = parent) before the join. NULL on failure, which has been reported. */
+optla_ctx *optla_ctx_fork_(optla_ctx *parent);
+/* Gives the child's inputs, and with report the child's last error, to its parent; destroys the child. Accepts a NULL child. */
+void optla_ctx_join_(optla_ctx **child, bool report);
+
 /* ---- memory ---- */
 
 /* Bytes are uninitialised; NULL only on failure, which has been reported. bytes = 0 gives a valid pointer. */
@@ -60,6 +74,8 @@ optla_status optla_report_(optla_ctx *ctx, const char *task, uint64_t done, uint
 
 /* Remembers that this file was read (its name and hash appear in later outputs). Failure is not an error. */
 void optla_note_input_(optla_ctx *ctx, const char *path);
+/* The same for a file whose bytes are at hand: it isn't read again. */
+void optla_note_input_bytes_(optla_ctx *ctx, const char *path, const void *bytes, size_t count);
 
 /* ---- numbers ---- */
 

@@ -11,6 +11,14 @@ bool optla_size_mul_(size_t a, size_t b, size_t *product)
 	return true;
 }
 
+void *optla_alloc_quiet_(optla_ctx *ctx, size_t bytes)
+{
+	optla_ctx_lock_(ctx);
+	void *p = ctx->desc.alloc(ctx->desc.alloc_user, bytes ? bytes : 1);
+	optla_ctx_unlock_(ctx);
+	return p;
+}
+
 void *optla_alloc_(optla_ctx *ctx, size_t bytes)
 {
 	if (bytes > ctx->desc.memory_limit_bytes) {
@@ -18,7 +26,7 @@ void *optla_alloc_(optla_ctx *ctx, size_t bytes)
 		            (double)ctx->desc.memory_limit_bytes / 0x1p30);
 		return NULL;
 	}
-	void *p = ctx->desc.alloc(ctx->desc.alloc_user, bytes ? bytes : 1);
+	void *p = optla_alloc_quiet_(ctx, bytes);
 	if (!p) optla_fail_(ctx, OPTLA_ERR_NOMEM, __func__, "no memory for %zu bytes", bytes);
 	return p;
 }
@@ -74,5 +82,8 @@ optla_status optla_grow_(optla_ctx *ctx, void **p, size_t old_count, size_t new_
 
 void optla_free(optla_ctx *ctx, void *p)
 {
-	if (p) ctx->desc.free(ctx->desc.alloc_user, p);
+	if (!p) return;
+	optla_ctx_lock_(ctx);
+	ctx->desc.free(ctx->desc.alloc_user, p);
+	optla_ctx_unlock_(ctx);
 }

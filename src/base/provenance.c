@@ -36,6 +36,11 @@ optla_status optla_ctx_set_provenance(optla_ctx *ctx, const char *command, uint6
 /* Files over this size are named without a hash: reading them twice would double the time of the whole job. */
 enum { HASH_LIMIT_MIB = 256 };
 
+static void hash_text(XXH128_hash_t h, char hash[64])
+{
+	snprintf(hash, 64, "xxh3-128:%016llx%016llx", (unsigned long long)h.high64, (unsigned long long)h.low64);
+}
+
 static void hash_file(const char *path, char hash[64])
 {
 	memcpy(hash, "-", 2);
@@ -49,30 +54,74 @@ static void hash_file(const char *path, char hash[64])
 			XXH3_128bits_update(state, chunk, n);
 			total += n;
 		}
-		if (feof(f) && !ferror(f)) {
-			const XXH128_hash_t h = XXH3_128bits_digest(state);
-			snprintf(hash, 64, "xxh3-128:%016llx%016llx", (unsigned long long)h.high64, (unsigned long long)h.low64);
-		}
+		if (feof(f) && !ferror(f)) hash_text(XXH3_128bits_digest(state), hash);
 	}
 	XXH3_freeState(state);
 	if (f) fclose(f);
 }
 
-void optla_note_input_(optla_ctx *ctx, const char *path)
+static bool is_noted(const optla_ctx *ctx, const char *path)
 {
 	for (size_t k = 0; k < ctx->ninputs; k++)
-		if (!strcmp(ctx->inputs[k].path, path)) return;
-	char *copy = optla_strdup_(ctx, path);
-	if (!copy) return;
-	void *inputs = ctx->inputs;
-	if (OPTLA_OK != optla_grow_(ctx, &inputs, ctx->ninputs, ctx->ninputs + 1, sizeof *ctx->inputs)) {
-		optla_free(ctx, copy);
+		if (!strcmp(ctx->inputs[k].path, path)) return true;
+	return false;
+}
+
+/* Takes over path; drops it if it is noted already or there is no room. The caller holds the lock. */
+static void append(optla_ctx *ctx, char *path, const char hash[64])
+{
+	optla_input_note *grown = is_noted(ctx, path) ? NULL : optla_alloc_quiet_(ctx, (ctx->ninputs + 1) * sizeof *ctx->inputs);
+	if (!grown) {
+		optla_free(ctx, path);
 		return;
 	}
-	ctx->inputs = inputs;
-	optla_input_note *note = &ctx->inputs[ctx->ninputs++];
-	note->path = copy;
-	hash_file(path, note->hash);
+	if (ctx->ninputs) memcpy(grown, ctx->inputs, ctx->ninputs * sizeof *grown);
+	optla_free(ctx, ctx->inputs);
+	ctx->inputs = grown;
+	optla_input_note *note = &grown[ctx->ninputs++];
+	note->path = path;
+	memcpy(note->hash, hash, sizeof note->hash);
+}
+
+static void append_copy(optla_ctx *ctx, const char *path, const char hash[64])
+{
+	const size_t bytes = strlen(path) + 1;
+	optla_ctx_lock_(ctx);
+	char *copy = optla_alloc_quiet_(ctx, bytes);
+	if (copy) {
+		memcpy(copy, path, bytes);
+		append(ctx, copy, hash);
+	}
+	optla_ctx_unlock_(ctx);
+}
+
+void optla_note_input_(optla_ctx *ctx, const char *path)
+{
+	optla_ctx_lock_(ctx);
+	const bool known = is_noted(ctx, path);
+	optla_ctx_unlock_(ctx);
+	if (known) return;
+	char hash[64] = {0};
+	hash_file(path, hash);
+	append_copy(ctx, path, hash);
+}
+
+void optla_note_input_bytes_(optla_ctx *ctx, const char *path, const void *bytes, size_t count)
+{
+	char hash[64] = {0};
+	hash_text(XXH3_128bits(bytes, count), hash);
+	append_copy(ctx, path, hash);
+}
+
+void optla_provenance_move_(optla_ctx *to, optla_ctx *from)
+{
+	optla_ctx_lock_(to);
+	for (size_t k = 0; k < from->ninputs; k++) {
+		append(to, from->inputs[k].path, from->inputs[k].hash);
+		from->inputs[k].path = NULL;
+	}
+	from->ninputs = 0;
+	optla_ctx_unlock_(to);
 }
 
 optla_status optla_ctx_provenance(optla_ctx *ctx, char **text)
