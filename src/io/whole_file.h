@@ -5,11 +5,15 @@
 
 #include "base/base_impl.h"
 
-/* Bytes of a regular file (one zero byte after them that count does not include); OPTLA_ERR_INPUT if it doesn't exist or is a
-   directory, OPTLA_ERR_NOMEM over the memory limit. Notes the file as an input. */
+/* Bytes of a regular file (one zero byte after them that count does not include); OPTLA_ERR_INPUT if it doesn't exist, is a
+   directory, pipe or device, OPTLA_ERR_NOMEM over the memory limit, OPTLA_ERR_IO when it can't be read. Notes the file as an
+   input. */
 optla_status optla_read_file_(optla_ctx *ctx, const char *path, void **bytes, size_t *count);
+/* Whole or not at all; OPTLA_ERR_IO names the path and the reason (disk full, permission). What stands at path must be a regular
+   file or nothing; a symbolic link is replaced. */
 optla_status optla_write_file_(optla_ctx *ctx, const char *path, const void *bytes, size_t count);
-/* A temporary name beside path, for writers that need a name. finish: sync + rename (commit) or remove; frees and clears *temporary. */
+/* An empty temporary file beside path, for writers that need a name. finish: sync + rename (commit) or remove; frees and clears
+   *temporary (NULL: nothing to do). */
 optla_status optla_temporary_begin_(optla_ctx *ctx, const char *path, char **temporary);
 optla_status optla_temporary_finish_(optla_ctx *ctx, const char *path, char **temporary, bool commit);
 /* "dir/name" joined; absolute name: name alone. NULL on failure. */
@@ -19,5 +23,7 @@ char *optla_path_dir_(optla_ctx *ctx, const char *path);
 bool optla_path_exists_(const char *path);
 /* mkdir -p */
 optla_status optla_make_dirs_(optla_ctx *ctx, const char *path);
+/* Text of an errno value, a full disk named as such. Returns buffer. */
+const char *optla_errno_text_(int error, char *buffer, size_t bytes);
 
 #endif

@@ -8,6 +8,7 @@
 typedef struct optla_yaml optla_yaml;
 typedef int optla_yaml_node; /* 0: none */
 
+/* One document; a second one, nesting over 64 levels, a key given twice, a zero byte, more than 32 MiB are errors. */
 optla_status optla_yaml_load_(optla_ctx *ctx, const char *path, optla_yaml **out);
 optla_status optla_yaml_parse_(optla_ctx *ctx, const void *bytes, size_t count, const char *name, optla_yaml **out);
 void optla_yaml_destroy_(optla_yaml **doc);
@@ -26,10 +27,14 @@ optla_status optla_yaml_check_keys_(const optla_yaml *doc, optla_yaml_node map, 
 optla_yaml_node optla_yaml_get_(const optla_yaml *doc, optla_yaml_node map, const char *key);
 /* As get, but absence is an error that names the map's line and the key. */
 optla_status optla_yaml_require_(const optla_yaml *doc, optla_yaml_node map, const char *key, optla_yaml_node *node);
+/* Number of keys of a mapping (0 for other nodes) and the k-th of them, in the order of the file. */
+size_t optla_yaml_pairs_(const optla_yaml *doc, optla_yaml_node map);
+optla_yaml_node optla_yaml_key_(const optla_yaml *doc, optla_yaml_node map, size_t k);
 size_t optla_yaml_count_(const optla_yaml *doc, optla_yaml_node list);
 optla_yaml_node optla_yaml_item_(const optla_yaml *doc, optla_yaml_node list, size_t k);
 
-/* Readers of values; what names the key in messages. NaN and text are errors; range ends are included. */
+/* Readers of values; what names the key in messages. NaN and text are errors; range ends are included, so .inf passes where
+   an end is infinite. Numbers are read in the C locale. The value is set on success alone. */
 optla_status optla_yaml_number_(const optla_yaml *doc, optla_yaml_node node, const char *what, double lower, double upper,
                                 double *value);
 optla_status optla_yaml_int_(const optla_yaml *doc, optla_yaml_node node, const char *what, int lower, int upper, int *value);
