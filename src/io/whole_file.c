@@ -97,7 +97,7 @@ optla_status optla_read_file_(optla_ctx *ctx, const char *path, void **bytes, si
 	data[n] = 0;
 	*bytes = data;
 	*count = (size_t)n;
-	optla_note_input_(ctx, path);
+	optla_note_input_bytes_(ctx, path, data, *count);
 	return OPTLA_OK;
 }
 
