@@ -59,14 +59,16 @@ typedef struct {
 } optla_photon_transfer_level;
 
 typedef struct {
-	double gain_dn_per_e;      /**< K: slope of variance over mean (EMVA 1288, section 6) */
+	double gain_dn_per_e;      /**< K: slope of the least squares line of variance over mean (EMVA 1288, section 6) */
 	double quantum_efficiency; /**< from photons, 0 if not known */
 	double read_noise_e;       /**< standard deviation in the dark, quantisation removed, extrapolated to zero exposure */
 	double black_level_dn;
-	double full_well_e;     /**< at the level with the largest temporal variance (EMVA 1288 saturation) */
-	double saturation_dn;   /**< mean count above black there */
-	double linearity_error; /**< largest relative deviation from the straight line below 70 % of saturation */
-	size_t levels_used;     /**< levels below 70 % of saturation */
+	double full_well_e;   /**< at the level with the largest temporal variance (EMVA 1288 saturation) */
+	double saturation_dn; /**< mean count above black there */
+	/** Smallest e such that a straight line over photons stays within relative e of every level between 5 and 70 % of saturation;
+	    0 if photons are not known. */
+	double linearity_error;
+	size_t levels_used; /**< levels below 70 % of saturation */
 } optla_photon_transfer;
 
 /**
@@ -75,7 +77,8 @@ typedef struct {
  *
  *     σ²_y - σ²_dark = K (µ_y - µ_dark)
  *
- * @param sensor NULL, or filled with the same numbers (psi_e_per_j from quantum efficiency; bits as given by the caller stay).
+ * @param sensor NULL, or filled with the same numbers: psi_e_per_j from quantum efficiency and the energy of a photon of 550 nm (0 if
+ * photons are not known), full_well_e with the black level counted in as in Eq. 1.3; bits stay as given by the caller.
  * @return OPTLA_ERR_ARG with less than three usable levels.
  */
 OPTLA_API optla_status optla_sensor_measure(optla_ctx *ctx, const optla_photon_transfer_level *levels, size_t count,
