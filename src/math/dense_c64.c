@@ -1,0 +1,47 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Tiles of a complex matrix, double real and imaginary parts side by side. */
+#include "math/dense_impl.h"
+
+OPTLA_CLONES static void add_column(size_t n, const double *restrict a, const double *x, double *restrict y)
+{
+	const double xr = x[0], xi = x[1];
+#pragma omp simd
+	for (size_t i = 0; i < n; i++) {
+		const double ar = a[2 * i], ai = a[2 * i + 1];
+		y[2 * i] += ar * xr - ai * xi;
+		y[2 * i + 1] += ar * xi + ai * xr;
+	}
+}
+
+void optla_tile_forward_c64_(optla_tile t, void *y_, size_t ldy)
+{
+	const double *a = t.a, *x = t.x;
+	double *y = y_;
+	for (size_t j = 0; j < t.cols; j++)
+		for (size_t r = 0; r < t.nrhs; r++) add_column(t.rows, a + 2 * j * t.lda, x + 2 * (r * t.ldx + j), y + 2 * r * ldy);
+}
+
+/* sum += (ar + i sign ai) (xr + i xi) */
+OPTLA_CLONES static void dot_column(size_t n, const double *restrict a, double sign, const double *restrict x, double *sum)
+{
+	double rr = 0, ii = 0, ri = 0, ir = 0;
+#pragma omp simd reduction(+ : rr, ii, ri, ir)
+	for (size_t i = 0; i < n; i++) {
+		const double ar = a[2 * i], ai = a[2 * i + 1], xr = x[2 * i], xi = x[2 * i + 1];
+		rr += ar * xr;
+		ii += ai * xi;
+		ri += ar * xi;
+		ir += ai * xr;
+	}
+	sum[0] += (double)(rr - sign * ii);
+	sum[1] += (double)(ri + sign * ir);
+}
+
+void optla_tile_dots_c64_(optla_tile t, bool conj, double *sums, size_t lds)
+{
+	const double *a = t.a, *x = t.x;
+	const double sign = conj ? -1 : 1;
+	for (size_t j = 0; j < t.cols; j++)
+		for (size_t r = 0; r < t.nrhs; r++)
+			dot_column(t.rows, a + 2 * j * t.lda, sign, x + 2 * r * t.ldx, sums + 2 * (r * lds + j));
+}
