@@ -26,7 +26,8 @@ typedef enum {
 
 typedef struct {
 	optla_ctx *ctx;
-	size_t width, height, channels; /**< channels: 1 grey, 2 grey + alpha, 3 RGB, 4 RGB + alpha */
+	size_t width, height,
+	    channels; /**< channels: 1 grey, 2 grey + alpha, 3 RGB, 4 RGB + alpha; alpha is 0..1 whatever the kind */
 	optla_image_kind kind;
 	double white_dn; /**< RAW_DN: count at which a sample is certainly saturated; else 0 */
 	float *data;     /**< owned */
@@ -42,20 +43,22 @@ OPTLA_API const char *optla_image_kind_name(optla_image_kind kind);
 
 /* ---- meaning ---- */
 
-/** linear = (dn - black_dn) * scale. Only for RAW_DN; the result is LINEAR, negative noise is kept. In place. */
+/** linear = (dn - black_dn) * scale, alpha stays. Only for RAW_DN; the result is LINEAR, negative noise is kept. In place. */
 OPTLA_API optla_status optla_image_linearize(optla_image *image, double black_dn, double scale);
-/** display = sRGB(min(1, exposure * linear)), clamped to 0..1. Only for LINEAR. In place. */
+/** display = sRGB(min(1, exposure * linear)), clamped to 0..1; NaN becomes 0. Only for LINEAR. In place. */
 OPTLA_API optla_status optla_image_to_display(optla_image *image, double exposure);
 /** linear = sRGB⁻¹(display). Only for DISPLAY. In place. */
 OPTLA_API optla_status optla_image_display_to_linear(optla_image *image);
-/** Exposure that brings the given quantile (0..1, e.g. 0.995) of the largest channel to 1; 1 for a black image. LINEAR only. */
+/** Exposure that brings the given quantile (0..1, e.g. 0.995) of each pixel's largest colour to 1, or the brightest pixel where that
+    quantile is 0; 1 for a black image. Samples that aren't finite don't count. LINEAR only: another kind is reported and answered by 1. */
 OPTLA_API double optla_image_auto_exposure(const optla_image *image, double quantile);
 /** Mean of the colour channels (not alpha) as a new one-channel image of the same kind (RAW_DN or LINEAR). */
 OPTLA_API optla_status optla_image_grey(const optla_image *image, optla_image **out);
-/** Area-averaging or bilinear resampling to width x height; DISPLAY is resampled as it is. */
+/** Resampling to width x height, each axis on its own: mean over the covered area where it shrinks, linear interpolation between centres
+    where it grows. Whole factors keep the image's mean. DISPLAY is resampled as it is. */
 OPTLA_API optla_status optla_image_resize(const optla_image *image, size_t width, size_t height, optla_image **out);
 /** False colours of a signed one-channel image, as in Fig. 2.6: red positive, blue negative, white zero; |value| = scale is full
-    colour (scale 0: the largest |value|). The result is a DISPLAY image with three channels. */
+    colour (scale 0: the largest |value|). NaN is black. The result is a DISPLAY image with three channels. */
 OPTLA_API optla_status optla_image_signed_colours(const optla_image *image, double scale, optla_image **out);
 
 /* ---- files ---- */

@@ -70,19 +70,36 @@ optla_status optla_image_start_(const optla_source *source, uint64_t width, uint
 	return optla_image_create(ctx, (size_t)width, (size_t)height, (size_t)channels, kind, out);
 }
 
-optla_status optla_quantise_row_(const optla_image *image, size_t row_y, unsigned largest, const char *format, uint16_t *row)
+void optla_samples_from_integers_(optla_image *image, const void *row, bool wide, size_t y)
 {
-	const size_t n = image->width * image->channels;
-	const float *from = image->data + row_y * n;
-	const bool display = OPTLA_IMAGE_DISPLAY == image->kind;
-	const double scale = display ? largest : 1;
+	const size_t channels = image->channels, n = image->width * channels;
+	const float largest = wide ? 65535 : 255;
+	const uint8_t *bytes = row;
+	const uint16_t *words = row;
+	float *to = image->data + y * n;
+	if (wide)
+		for (size_t k = 0; k < n; k++) to[k] = words[k];
+	else
+		for (size_t k = 0; k < n; k++) to[k] = bytes[k];
+	if (OPTLA_IMAGE_DISPLAY == image->kind)
+		for (size_t k = 0; k < n; k++) to[k] /= largest;
+	else if (0 == channels % 2)
+		for (size_t k = channels - 1; k < n; k += channels) to[k] /= largest;
+}
+
+optla_status optla_quantise_row_(const optla_image *image, size_t y, unsigned largest, const char *format, uint16_t *row)
+{
+	const size_t channels = image->channels, n = image->width * channels;
+	const float *from = image->data + y * n;
+	const bool display = OPTLA_IMAGE_DISPLAY == image->kind, alpha = 0 == channels % 2;
 	for (size_t k = 0; k < n; k++) {
 		double value = from[k];
-		if (display) value = isnan(value) ? value : optla_clamp_(value, 0, 1);
-		value = nearbyint(value * scale);
+		if (display || (alpha && k % channels == channels - 1))
+			value = largest * (isnan(value) ? value : optla_clamp_(value, 0, 1));
+		value = nearbyint(value);
 		OPTLA_CHECK(image->ctx, value >= 0 && value <= largest, OPTLA_ERR_ARG,
-		            "sample (%zu, %zu, %zu) is %g, which %s can't hold as an integer of 0 to %u; .exr can", k / image->channels,
-		            row_y, k % image->channels, (double)from[k], format, largest);
+		            "sample (%zu, %zu, %zu) is %g, which %s can't hold as an integer of 0 to %u; .exr can", k / channels, y,
+		            k % channels, (double)from[k], format, largest);
 		row[k] = (uint16_t)value;
 	}
 	return OPTLA_OK;

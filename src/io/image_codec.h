@@ -43,9 +43,13 @@ void optla_white_format_(double white_dn, char text[32]);
 /* An image for what a file's header says: sizes over the limit are an OPTLA_ERR_INPUT that names the file. */
 optla_status optla_image_start_(const optla_source *source, uint64_t width, uint64_t height, uint64_t channels,
                                 optla_image_kind kind, optla_image **out);
-/* Rounds samples to integers 0..largest; the first that is not finite, or doesn't fit, is OPTLA_ERR_ARG with its place and value.
-   DISPLAY samples are clamped to 0..1 first and scaled by largest. row_y: one row, written as channels * width values. */
-optla_status optla_quantise_row_(const optla_image *image, size_t row_y, unsigned largest, const char *format, uint16_t *row);
+/* ---- integer samples: DISPLAY and alpha are 0..1 in the image and 0..largest in files, the others are the same numbers ---- */
+
+/* Row y of an image from 8-bit or (wide) 16-bit integers in the machine's byte order. */
+void optla_samples_from_integers_(optla_image *image, const void *row, bool wide, size_t y);
+/* Row y rounded to integers 0..largest; those that are 0..1 in the image are clamped first. A sample that doesn't fit, or is NaN, is
+   OPTLA_ERR_ARG with its place and value. */
+optla_status optla_quantise_row_(const optla_image *image, size_t y, unsigned largest, const char *format, uint16_t *row);
 
 /* ---- formats: decode reads source, encode fills file (which the caller frees, also after failure) ---- */
 

@@ -74,19 +74,10 @@ static optla_status read_header(png_reader *r)
 	return OPTLA_OK;
 }
 
-static void convert_row(const uint8_t *row, bool wide, bool display, size_t n, float *to)
-{
-	const float largest = wide ? 65535 : 255;
-	const uint16_t *words = (const uint16_t *)(const void *)row;
-	for (size_t k = 0; k < n; k++) to[k] = wide ? words[k] : row[k];
-	if (display)
-		for (size_t k = 0; k < n; k++) to[k] /= largest;
-}
-
 static optla_status read_rows(png_reader *r)
 {
 	optla_image *image = r->image;
-	const size_t n = image->width * image->channels, row_bytes = png_get_rowbytes(r->png, r->info);
+	const size_t row_bytes = png_get_rowbytes(r->png, r->info);
 	const bool wide = 16 == png_get_bit_depth(r->png, r->info),
 	           interlaced = PNG_INTERLACE_NONE != png_get_interlace_type(r->png, r->info);
 	const int passes = interlaced ? PNG_INTERLACE_ADAM7_PASSES : 1;
@@ -97,7 +88,7 @@ static optla_status read_rows(png_reader *r)
 		for (size_t y = 0; y < image->height; y++) {
 			uint8_t *row = r->rows + (interlaced ? y * row_bytes : 0);
 			png_read_row(r->png, row, NULL);
-			if (pass == passes - 1) convert_row(row, wide, OPTLA_IMAGE_DISPLAY == image->kind, n, image->data + y * n);
+			if (pass == passes - 1) optla_samples_from_integers_(image, row, wide, y);
 		}
 	png_read_end(r->png, NULL);
 	return OPTLA_OK;

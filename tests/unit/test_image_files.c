@@ -21,9 +21,12 @@ static optla_image *pattern(optla_ctx *ctx, size_t w, size_t h, size_t c, optla_
 	uint32_t v = 12345;
 	for (size_t k = 0; k < w * h * c; k++) {
 		v = v * 1664525u + 1013904223u;
-		m->data[k] = OPTLA_IMAGE_RAW_DN == kind    ? (float)(v >> 16)
-		             : OPTLA_IMAGE_DISPLAY == kind ? (float)(v >> 24) / 255
-		                                           : ((float)(v >> 8) - 3e6f) * 1e-5f;
+		if (0 == c % 2 && k % c == c - 1)
+			m->data[k] = OPTLA_IMAGE_RAW_DN == kind ? (float)(v >> 16) / 65535 : (float)(v >> 24) / 255;
+		else
+			m->data[k] = OPTLA_IMAGE_RAW_DN == kind    ? (float)(v >> 16)
+			             : OPTLA_IMAGE_DISPLAY == kind ? (float)(v >> 24) / 255
+			                                           : ((float)(v >> 8) - 3e6f) * 1e-5f;
 	}
 	if (OPTLA_IMAGE_RAW_DN == kind) m->white_dn = 4095;
 	return m;
