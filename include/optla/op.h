@@ -142,8 +142,9 @@ OPTLA_API optla_status optla_op_dense(optla_ctx *ctx, optla_cblock a, bool copy,
  * @return OPTLA_ERR_INPUT for a file that isn't that, OPTLA_ERR_UNSUPPORTED for a chunked or compressed dataset.
  */
 OPTLA_API optla_status optla_op_map(optla_ctx *ctx, const char *path, optla_op **out);
-/** Sparse matrix from compressed rows: row_start has nrows+1 entries, column/values row_start[nrows]. Copied and checked.
-    values: row_start[nrows] x 1. Costs 4 + sizeof(scalar) bytes per non-zero. */
+/** Sparse matrix from compressed rows: row_start has nrows+1 entries, column/values row_start[nrows]. Copied and checked:
+    columns of a row ascend, values (row_start[nrows] x 1) are finite. The transpose is kept too: 2 (4 + sizeof(scalar)) bytes per
+    non-zero. */
 OPTLA_API optla_status optla_op_sparse(optla_ctx *ctx, size_t nrows, size_t ncols, const uint64_t *row_start,
                                        const uint32_t *column, optla_cblock values, optla_op **out);
 /** Low rank, T = L Rᵀ: left is nrows x K, right is ncols x K (as the photo basis D and illumination basis P of Eq. 2.7). Copied. */

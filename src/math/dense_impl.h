@@ -5,6 +5,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h> /* __GLIBC__ too */
 
 /* One version of a hot loop for each generation of x86, chosen when the program starts. Only the order of SIMD sums depends on
    it. Other compilers and processors build the plain version. */
