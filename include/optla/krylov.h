@@ -56,7 +56,8 @@ typedef enum {
 	OPTLA_STOP_PHOTOS,    /**< budget used up */
 	OPTLA_STOP_BREAKDOWN, /**< invariant subspace: T has no more to give (rank reached) */
 	OPTLA_STOP_NOISE,     /**< the next photo would add more noise than signal */
-	OPTLA_STOP_CANCELLED
+	OPTLA_STOP_CANCELLED,
+	OPTLA_STOP_NONE /**< not stopped: optla_krylov_step() came to its end */
 } optla_stop;
 OPTLA_API const char *optla_stop_name(optla_stop stop);
 
@@ -77,12 +78,14 @@ typedef struct {
 typedef struct optla_krylov optla_krylov;
 
 /** Prepares a run; takes references to the operators, copies target and start. All memory is allocated here.
-    @return OPTLA_ERR_ARG: K larger than ncols or nrows (rank), zero start, NaN; OPTLA_ERR_UNSUPPORTED: no transpose; OPTLA_ERR_SHAPE. */
+    @return OPTLA_ERR_ARG: K larger than ncols, zero start, NaN; OPTLA_ERR_UNSUPPORTED: no transpose; OPTLA_ERR_SHAPE. */
 OPTLA_API optla_status optla_krylov_create(const optla_krylov_problem *problem, optla_krylov_method method,
                                            const optla_krylov_options *options, optla_krylov **out);
 OPTLA_API void optla_krylov_destroy(optla_krylov **run);
 /** Runs until a stopping rule fires. After OPTLA_ERR_CANCELLED the state is that of the last whole iteration and can be saved and run on. */
 OPTLA_API optla_status optla_krylov_run(optla_krylov *run);
+/** The same, but at most `iterations` more of them: to look at a run while it goes on. */
+OPTLA_API optla_status optla_krylov_step(optla_krylov *run, size_t iterations);
 OPTLA_API optla_krylov_info optla_krylov_get_info(const optla_krylov *run);
 /** The state, every photo included, as HDF5 (docs/files.md). Whole or not at all. */
 OPTLA_API optla_status optla_krylov_save(const optla_krylov *run, const char *path);
@@ -101,7 +104,7 @@ OPTLA_API optla_status optla_krylov_dual_bases(const optla_krylov *run, optla_cb
     op's type; *residual = ||i - D Pᵀ p|| / ||i|| recomputed. */
 OPTLA_API optla_status optla_krylov_solution(const optla_krylov *run, size_t k, void *p, double *residual);
 /** SVD: values (rank, double), left vectors U (nrows x rank), right V (ncols x rank), op's type; residual (rank): recomputed
-    max(||T v - σ u||, ||Tᴴ u - σ v||) / σ_1 from stored photos. Arnoldi: the SVD of D Pᵀ. Any may be NULL/empty. */
+    max(||T v - σ u||, ||Tᴴ u - σ v||) / σ_1 from stored photos. Any may be NULL/empty. */
 OPTLA_API optla_status optla_krylov_triplets(const optla_krylov *run, double *values, optla_block left, optla_block right,
                                              double *residual);
 /** Power: the principal eigenvector (symmetric) or right singular vector (ncols, op's type) and its value. */

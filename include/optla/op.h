@@ -87,6 +87,8 @@ typedef struct {
 	void (*destroy)(void *user); /**< NULL: nothing to do. Called even when optla_op_create() fails */
 	/** Adds photos and exposure_s of the products so far; NULL for an operator without a camera of its own. */
 	void (*cost)(void *user, optla_op_cost *cost);
+	/** Most photos that the next column will take, so that a photo budget can be kept; NULL: one, or the sum over the parts. */
+	uint64_t (*price)(void *user, optla_trans trans);
 	/** Expected Euclidean norm of the error of the last column applied, sqrt(E ||e||²), from the sensor's noise; NULL: exact,
 	    or that of parts[0] when there is one part. */
 	double (*noise)(void *user);
@@ -128,6 +130,8 @@ OPTLA_API unsigned optla_op_flags(const optla_op *op);
 OPTLA_API double optla_op_frequency_hz(const optla_op *op);
 /** applies, columns and seconds of this operator; photos and exposure of it and all its parts, each part counted once. */
 OPTLA_API optla_op_cost optla_op_cost_so_far(optla_op *op);
+/** Most photos that the next product with one column will take. */
+OPTLA_API uint64_t optla_op_price(const optla_op *op, optla_trans trans);
 /** Expected norm of the error of the last product, from the sensor; 0 = exact. */
 OPTLA_API double optla_op_noise(optla_op *op);
 

@@ -80,6 +80,12 @@ double optla_norm_fro_(optla_cblock a)
 	return sqrt(s);
 }
 
+void optla_clear_(optla_block a, size_t i)
+{
+	const size_t bytes = optla_scalar_bytes(a.type);
+	memset((char *)a.data + i * a.ld * bytes, 0, a.nrows * bytes);
+}
+
 void optla_scale_(optla_block a, size_t i, double factor)
 {
 	if (a.type == OPTLA_F32) {

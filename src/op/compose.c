@@ -97,6 +97,11 @@ static optla_status adjoint_expose(void *user, optla_trans trans, optla_cblock x
 	return optla_op_expose(user, trans == OPTLA_FORWARD ? OPTLA_TRANSPOSE : OPTLA_FORWARD, x, full_power, y);
 }
 
+static uint64_t adjoint_price(void *user, optla_trans trans)
+{
+	return optla_op_price(user, trans == OPTLA_FORWARD ? OPTLA_TRANSPOSE : OPTLA_FORWARD);
+}
+
 optla_status optla_op_adjoint(optla_op *a, optla_op **out)
 {
 	*out = NULL;
@@ -113,6 +118,7 @@ optla_status optla_op_adjoint(optla_op *a, optla_op **out)
 	                            .user = a,
 	                            .apply = powered ? NULL : adjoint_apply,
 	                            .expose = powered ? adjoint_expose : NULL,
+	                            .price = adjoint_price,
 	                            .parts = &a,
 	                            .nparts = 1};
 	return optla_op_create(optla_op_ctx(a), out, &desc);

@@ -258,6 +258,14 @@ optla_op_cost optla_op_cost_so_far(optla_op *op)
 	return cost;
 }
 
+uint64_t optla_op_price(const optla_op *op, optla_trans trans)
+{
+	if (op->desc.price) return op->desc.price(op->desc.user, trans);
+	uint64_t sum = op->desc.nparts ? 0 : 1;
+	for (size_t k = 0; k < op->desc.nparts; k++) sum += optla_op_price(op->parts[k], trans);
+	return sum;
+}
+
 double optla_op_noise(optla_op *op)
 {
 	if (op->desc.noise) return op->desc.noise(op->desc.user);

@@ -189,6 +189,20 @@ static optla_status signed_apply(void *user, optla_trans trans, optla_cblock x, 
 	return OPTLA_OK;
 }
 
+/* y(1) and y(0) are still to be taken the first time; which way AUTO goes isn't known yet. */
+static uint64_t signed_price(void *user, optla_trans trans)
+{
+	const signed_op *s = user;
+	const bool captured = (trans == OPTLA_FORWARD ? &s->forward : &s->transposed)->captured;
+	const uint64_t photo = optla_op_price(s->light, trans), frames = captured ? 0 : 2 * photo;
+	switch (s->split) {
+	case OPTLA_SPLIT_SIGNED: return 2 * photo;
+	case OPTLA_SPLIT_OFFSET: return photo + frames;
+	case OPTLA_SPLIT_AUTO: break;
+	}
+	return 2 * photo + frames;
+}
+
 static double signed_noise(void *user) { return ((const signed_op *)user)->noise; }
 
 static void signed_destroy(void *user)
@@ -224,6 +238,7 @@ optla_status optla_op_signed(optla_op *light, optla_split split, optla_op **out)
 	                            .flags = optla_op_flags(light) & ~(unsigned)OPTLA_OP_NONNEGATIVE,
 	                            .user = s,
 	                            .apply = signed_apply,
+	                            .price = signed_price,
 	                            .noise = signed_noise,
 	                            .destroy = signed_destroy,
 	                            .parts = &light,
