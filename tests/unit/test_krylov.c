@@ -62,6 +62,7 @@ START_TEST(svd_agrees_with_lapack)
 		double *t = with_spectrum(ctx, m, n, s, k, false);
 		optla_op *op = dense(ctx, t, m, n);
 		optla_krylov_options o = optla_krylov_defaults;
+		o.rank = (int)k;
 		o.iterations =
 		    (int)(n > m ? k + 1 : k); /* the first illumination, all ones, has a part outside the row space of a wide T */
 		optla_krylov *run = started(op, OPTLA_KRYLOV_SVD, &o, NULL);
