@@ -398,6 +398,50 @@ START_TEST(photos_are_counted_and_budgeted)
 }
 END_TEST
 
+START_TEST(high_resolution_photos_come_along)
+{
+	optla_ctx *ctx = test_ctx(NULL, 0);
+	double *t = positive_matrix(40, 10), low[20 * 10], pair[40];
+	uint64_t start[21];
+	uint32_t column[40];
+	for (size_t m = 0; m < 20; m++) { /* reduce: mean of two neighbours */
+		start[m] = 2 * m;
+		column[2 * m] = (uint32_t)(2 * m);
+		column[2 * m + 1] = (uint32_t)(2 * m + 1);
+		pair[2 * m] = pair[2 * m + 1] = 0.5;
+		for (size_t n = 0; n < 10; n++) low[m + n * 20] = 0.5 * (t[2 * m + n * 40] + t[2 * m + 1 + n * 40]);
+	}
+	start[20] = 40;
+	optla_op *op = dense(ctx, low, 20, 10), *high = dense(ctx, t, 40, 10), *reduce;
+	ok(optla_op_sparse(ctx, 20, 40, start, column, optla_cblock_(pair, 40, 1, OPTLA_F64), &reduce));
+	const optla_krylov_problem problem = {.size = sizeof problem, .op = op, .high = high, .reduce = reduce};
+	optla_krylov_options o = optla_krylov_defaults;
+	o.iterations = 6;
+	optla_krylov *run, *plain = started(op, OPTLA_KRYLOV_ARNOLDI, &o, NULL);
+	ok(optla_krylov_create(&problem, OPTLA_KRYLOV_ARNOLDI, &o, &run));
+	ok(optla_krylov_run(run));
+	ok(optla_krylov_run(plain));
+	ck_assert_uint_eq(optla_krylov_get_info(run).photos, optla_krylov_get_info(plain).photos);
+	optla_cblock p, h, p2;
+	ok(optla_krylov_bases(run, NULL, &p, &h));
+	ok(optla_krylov_bases(plain, NULL, &p2, NULL));
+	for (size_t k = 0; k < 6; k++)
+		for (size_t m = 0; m < 40; m++) {
+			double x = 0; /* h_k = T_high p_k (Eq. 2.10) */
+			for (size_t n = 0; n < 10; n++) x += t[m + n * 40] * optla_get_(p, n, k);
+			near_abs(optla_get_(h, m, k), x, 1e-12);
+			if (m < 10) near_abs(optla_get_(p, m, k), optla_get_(p2, m, k), 1e-11);
+		}
+	optla_krylov_destroy(&run);
+	optla_krylov_destroy(&plain);
+	optla_op_unref(&op);
+	optla_op_unref(&high);
+	optla_op_unref(&reduce);
+	free(t);
+	optla_ctx_destroy(&ctx);
+}
+END_TEST
+
 START_TEST(bad_input_is_named)
 {
 	error_store e = {0};
@@ -530,6 +574,7 @@ int main(void)
 	tcase_add_test(t, nonnegative_solutions);
 	tcase_add_test(t, power_finds_the_principal_vector);
 	tcase_add_test(t, photos_are_counted_and_budgeted);
+	tcase_add_test(t, high_resolution_photos_come_along);
 	tcase_add_test(t, bad_input_is_named);
 	tcase_add_test(t, cancelling_keeps_whole_iterations);
 	tcase_add_test(t, same_bytes_for_any_number_of_threads);
