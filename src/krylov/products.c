@@ -4,33 +4,17 @@
 
 #include <math.h>
 
-static optla_op_cost difference(optla_op_cost now, optla_op_cost then)
+/* A product, and what it has cost: the operator may be used by others between two products of this run. */
+static optla_status multiply(optla_krylov *run, optla_op *op, optla_trans trans, optla_cblock x, optla_block y)
 {
-	now.applies -= then.applies;
-	now.forward_columns -= then.forward_columns;
-	now.transpose_columns -= then.transpose_columns;
-	now.photos -= then.photos;
-	now.exposure_s -= then.exposure_s;
-	now.seconds -= then.seconds;
-	return now;
+	const optla_op_cost before = optla_op_cost_so_far(op);
+	const optla_status status = optla_op_apply(op, trans, x, y);
+	const optla_op_cost after = optla_op_cost_so_far(op);
+	run->photos += after.photos - before.photos;
+	run->exposure_s += after.exposure_s - before.exposure_s;
+	run->seconds_operator += after.seconds - before.seconds;
+	return status;
 }
-
-optla_op_cost optla_krylov_cost_(const optla_krylov *run)
-{
-	optla_op_cost c = difference(optla_op_cost_so_far(run->op), run->cost_op0);
-	if (run->high) {
-		const optla_op_cost h = difference(optla_op_cost_so_far(run->high), run->cost_high0);
-		c.applies += h.applies;
-		c.forward_columns += h.forward_columns;
-		c.transpose_columns += h.transpose_columns;
-		c.photos += h.photos;
-		c.exposure_s += h.exposure_s;
-		c.seconds += h.seconds;
-	}
-	return c;
-}
-
-uint64_t optla_krylov_photos_(const optla_krylov *run) { return run->photos_before + optla_krylov_cost_(run).photos; }
 
 void optla_krylov_finish_(optla_krylov *run, optla_stop stop)
 {
@@ -45,7 +29,7 @@ bool optla_krylov_affordable_(optla_krylov *run, bool forward, bool back)
 	if (!run->opt.max_photos) return true;
 	const uint64_t price =
 	    (forward ? optla_op_price(camera(run), OPTLA_FORWARD) : 0) + (back ? optla_op_price(run->op, OPTLA_TRANSPOSE) : 0);
-	if (optla_krylov_photos_(run) + price <= (uint64_t)run->opt.max_photos) return true;
+	if (run->photos + price <= (uint64_t)run->opt.max_photos) return true;
 	optla_krylov_finish_(run, OPTLA_STOP_PHOTOS);
 	return false;
 }
@@ -59,10 +43,10 @@ optla_status optla_krylov_photo_(optla_krylov *run, size_t k, bool *within)
 	const optla_block d = optla_columns_mut_(run->d, column, 1);
 	if (run->high) {
 		const optla_block h = optla_columns_mut_(run->h, column, 1);
-		OPTLA_TRY(optla_op_apply(run->high, OPTLA_FORWARD, p, h));
+		OPTLA_TRY(multiply(run, run->high, OPTLA_FORWARD, p, h));
 		OPTLA_TRY(optla_op_apply(run->reduce, OPTLA_FORWARD, optla_block_const(h), d));
 	} else {
-		OPTLA_TRY(optla_op_apply(run->op, OPTLA_FORWARD, p, d));
+		OPTLA_TRY(multiply(run, run->op, OPTLA_FORWARD, p, d));
 	}
 	const double norm = optla_norm_(optla_block_const(d), 0);
 	run->noise[k] = optla_op_noise(camera(run)) * (run->high ? run->reduce_noise : 1);
@@ -74,7 +58,7 @@ optla_status optla_krylov_photo_(optla_krylov *run, size_t k, bool *within)
 optla_status optla_krylov_back_(optla_krylov *run, optla_cblock r, optla_block s, bool *within)
 {
 	*within = optla_krylov_affordable_(run, false, true);
-	return *within ? optla_op_apply(run->op, OPTLA_CONJ_TRANSPOSE, r, s) : OPTLA_OK;
+	return *within ? multiply(run, run->op, OPTLA_CONJ_TRANSPOSE, r, s) : OPTLA_OK;
 }
 
 void optla_krylov_judge_(optla_krylov *run)

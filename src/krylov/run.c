@@ -151,8 +151,6 @@ optla_status optla_krylov_create(const optla_krylov_problem *problem, optla_kryl
 		optla_krylov_destroy(&run);
 		return status;
 	}
-	run->cost_op0 = optla_op_cost_so_far(run->op);
-	if (run->high) run->cost_high0 = optla_op_cost_so_far(run->high);
 	*out = run;
 	return OPTLA_OK;
 }
@@ -223,13 +221,12 @@ optla_status optla_krylov_run(optla_krylov *run) { return optla_krylov_step(run,
 
 optla_krylov_info optla_krylov_get_info(const optla_krylov *run)
 {
-	const optla_op_cost cost = optla_krylov_cost_(run);
 	optla_krylov_info info = {.stop = run->stop,
 	                          .iterations = run->k,
 	                          .rank = run->rank,
-	                          .photos = run->photos_before + cost.photos,
-	                          .exposure_s = run->exposure_before_s + cost.exposure_s,
-	                          .seconds_operator = cost.seconds,
+	                          .photos = run->photos,
+	                          .exposure_s = run->exposure_s,
+	                          .seconds_operator = run->seconds_operator,
 	                          .seconds_total = run->seconds_total,
 	                          .noise_allowed = optla_noise_allowed_(run)};
 	const size_t at = run->method == OPTLA_KRYLOV_GMRES ? run->rank : run->k;

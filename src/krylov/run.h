@@ -41,10 +41,9 @@ struct optla_krylov {
 	size_t rank;            /* columns of the result */
 
 	optla_stop stop;
-	bool done;              /* a stopping rule has fired */
-	uint64_t photos_before; /* of earlier runs, resumed from file */
-	double exposure_before_s, seconds_total;
-	optla_op_cost cost_op0, cost_high0; /* what the operators had cost when this run began */
+	bool done;       /* a stopping rule has fired */
+	uint64_t photos; /* taken for this run, those before a resume included */
+	double exposure_s, seconds_operator, seconds_total;
 };
 
 /* One iteration of each method; it calls optla_krylov_finish_() when a stopping rule fires. */
@@ -57,8 +56,6 @@ optla_status optla_krylov_photo_(optla_krylov *run, size_t k, bool *within);    
 optla_status optla_krylov_back_(optla_krylov *run, optla_cblock r, optla_block s, bool *within); /* s = Tᵀ r */
 /* Whether the next products fit in the budget; if not, the run is finished. */
 bool optla_krylov_affordable_(optla_krylov *run, bool forward, bool back);
-uint64_t optla_krylov_photos_(const optla_krylov *run);
-optla_op_cost optla_krylov_cost_(const optla_krylov *run); /* of this run alone, high and op together */
 void optla_krylov_finish_(optla_krylov *run, optla_stop stop);
 /* The tests that follow every iteration: tolerance, noise, K. */
 void optla_krylov_judge_(optla_krylov *run);
