@@ -49,15 +49,21 @@ static optla_status open_regular(optla_ctx *ctx, const char *path, int *fd, size
 		status = OPTLA_FAIL(ctx, OPTLA_ERR_INPUT, "%s: is a directory, a file is needed", path);
 	else if (!S_ISREG(s.st_mode))
 		status = OPTLA_FAIL(ctx, OPTLA_ERR_INPUT, "%s: is a pipe or a device; save its contents to a file first", path);
-	else if ((uintmax_t)s.st_size >= optla_ctx_memory_limit(ctx))
-		status = OPTLA_FAIL(ctx, OPTLA_ERR_NOMEM, "%s: its %.4g GiB are over the memory limit of %.4g GiB", path,
-		                    (double)s.st_size / 0x1p30, (double)optla_ctx_memory_limit(ctx) / 0x1p30);
 	if (OPTLA_OK != status) {
 		close(*fd);
 		*fd = -1;
 		return status;
 	}
 	*size = (size_t)s.st_size;
+	return OPTLA_OK;
+}
+
+optla_status optla_check_readable_(optla_ctx *ctx, const char *path)
+{
+	int fd;
+	size_t size;
+	OPTLA_TRY(open_regular(ctx, path, &fd, &size));
+	close(fd);
 	return OPTLA_OK;
 }
 
@@ -82,9 +88,12 @@ optla_status optla_read_file_(optla_ctx *ctx, const char *path, void **bytes, si
 	int fd;
 	size_t size = 0;
 	OPTLA_TRY(open_regular(ctx, path, &fd, &size));
-	char *data = optla_alloc_(ctx, size + 1);
+	const size_t limit = optla_ctx_memory_limit(ctx);
+	char *data = size < limit ? optla_alloc_(ctx, size + 1) : NULL;
 	if (!data) {
 		close(fd);
+		OPTLA_CHECK(ctx, size < limit, OPTLA_ERR_NOMEM, "%s: its %.4g GiB are over the memory limit of %.4g GiB", path,
+		            (double)size / 0x1p30, (double)limit / 0x1p30);
 		return OPTLA_ERR_NOMEM;
 	}
 	const ssize_t n = read_all(fd, data, size);

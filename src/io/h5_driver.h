@@ -1,0 +1,20 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* A file driver for HDF5 whose failures are kept beside HDF5: see h5_driver.c. */
+#ifndef OPTLA_H5_DRIVER_H
+#define OPTLA_H5_DRIVER_H
+
+#define H5_USE_110_API /* the newer libraries keep the calls of 1.10 under their old names */
+#include <hdf5.h>
+#include <stdbool.h>
+#include <stdlib.h>
+
+typedef struct {
+	const void *bytes; /* read from here, borrowed; NULL: write to the file of the given name, which must exist */
+	size_t count;
+	int *error; /* the first errno, 0 if all went well; outlives the file */
+} optla_h5_driver_info;
+
+/* Under the guard of h5_impl.h. */
+bool optla_h5_set_driver_(hid_t access, const optla_h5_driver_info *info);
+
+#endif
