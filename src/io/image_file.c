@@ -16,10 +16,10 @@ optla_status optla_image_decode(optla_ctx *ctx, const void *bytes, size_t count,
 	OPTLA_CHECK(ctx, count, OPTLA_ERR_INPUT, "%s: the file is empty", name);
 	switch (optla_file_type_of_bytes_(bytes, count)) {
 	case OPTLA_FILE_PNG: return optla_png_decode_(&source, out);
+	case OPTLA_FILE_EXR: return optla_exr_decode_(&source, out);
+	case OPTLA_FILE_PFM: return optla_pfm_decode_(&source, out);
+	case OPTLA_FILE_TIFF: return optla_tiff_decode_(&source, out);
 	case OPTLA_FILE_NPY:
-	case OPTLA_FILE_TIFF:
-	case OPTLA_FILE_EXR:
-	case OPTLA_FILE_PFM:
 	case OPTLA_FILE_RAW:
 	case OPTLA_FILE_NPZ:
 	case OPTLA_FILE_HDF5:
@@ -127,6 +127,9 @@ static optla_status encode(const optla_image *image, optla_file_type type, const
 {
 	switch (type) {
 	case OPTLA_FILE_PNG: return optla_png_encode_(image, provenance, file);
+	case OPTLA_FILE_EXR: return optla_exr_encode_(image, provenance, file);
+	case OPTLA_FILE_PFM: return optla_pfm_encode_(image, file);
+	case OPTLA_FILE_TIFF: return optla_tiff_encode_(image, provenance, file);
 	default: return OPTLA_FAIL(image->ctx, OPTLA_ERR_UNSUPPORTED, "no writer for this format");
 	}
 }

@@ -59,12 +59,38 @@ START_TEST(png_round_trip)
 }
 END_TEST
 
+START_TEST(exr_round_trip)
+{
+	round_trip("a.exr", OPTLA_IMAGE_LINEAR, (size_t)_i);
+	round_trip("a.exr", OPTLA_IMAGE_RAW_DN, (size_t)_i);
+	round_trip("a.exr", OPTLA_IMAGE_DISPLAY, (size_t)_i);
+}
+END_TEST
+
+START_TEST(tiff_round_trip)
+{
+	round_trip("a.tif", OPTLA_IMAGE_LINEAR, (size_t)_i);
+	round_trip("a.tiff", OPTLA_IMAGE_RAW_DN, (size_t)_i);
+	round_trip("a.TIF", OPTLA_IMAGE_DISPLAY, (size_t)_i);
+}
+END_TEST
+
+START_TEST(pfm_round_trip)
+{
+	round_trip("a.pfm", OPTLA_IMAGE_LINEAR, 1);
+	round_trip("a.pfm", OPTLA_IMAGE_LINEAR, 3);
+}
+END_TEST
+
 int main(void)
 {
 	Suite *s = suite_create("image_files");
 	TCase *t = tcase_create("image_files");
 	tcase_set_timeout(t, 60);
 	tcase_add_loop_test(t, png_round_trip, 1, 5);
+	tcase_add_loop_test(t, exr_round_trip, 1, 5);
+	tcase_add_loop_test(t, tiff_round_trip, 1, 5);
+	tcase_add_test(t, pfm_round_trip);
 	suite_add_tcase(s, t);
 	return run_suite(s);
 }
