@@ -63,7 +63,8 @@ grep_code '(^|[^A-Za-z0-9_])(stdout|stderr)([^A-Za-z0-9_]|$)' $library >"$tmp"
 finish "the library doesn't write to the standard streams"
 grep_code '(^|[^A-Za-z0-9_])(gets|sprintf|vsprintf|strcpy|strcat|strtok|alloca|asctime|ctime|localtime|gmtime)[ \t]*\(' $(files -name '*.c' -o -name '*.h' | grep -v '^tests/') >"$tmp"
 finish "no function that can't be used safely"
-grep_code '(^|[^A-Za-z0-9_])(malloc|calloc|realloc|strdup|strndup)[ \t]*\(' $(printf '%s\n' $library | grep -v '^src/base/') >"$tmp"
+# base/ makes the context's memory; HDF5 takes and returns the handles of its drivers by malloc and free
+grep_code '(^|[^A-Za-z0-9_])(malloc|calloc|realloc|strdup|strndup)[ \t]*\(' $(printf '%s\n' $library | grep -v -e '^src/base/' -e '^src/io/h5_driver.c$') >"$tmp"
 finish "memory comes from the context"
 
 words='TO''DO|FIX''ME|XX''X|HA''CK'
