@@ -66,7 +66,7 @@ OPTLA_API optla_status optla_dual(const optla_model *model, const float *r, floa
 /**
  * Correspondence map of Eq. 1.11: n[m] = argmax_n T[m, n], from the rows of any operator.
  * @param light nrows indices. @param strength T[m, n] of it; NULL: not wanted. @param share strength over the row's sum: how
- * direct the transport is; NULL: not wanted. Cost: ncols products (or none for a dense operator).
+ * direct the transport is (0 where no light arrives); NULL: not wanted. Of equal lights the first is meant. Cost: ncols products.
  */
 OPTLA_API optla_status optla_correspondence(optla_op *t, uint32_t *light, double *strength, double *share);
 
@@ -78,19 +78,23 @@ OPTLA_API optla_status optla_relative_errors(optla_cblock d, optla_cblock p, opt
 /* ---- rival ways to capture T (Fig. 2.9) ---- */
 
 typedef enum {
-	OPTLA_CAPTURE_SINGLE,          /**< one light at a time, in a random order */
-	OPTLA_CAPTURE_DCT,             /**< DCT-II patterns by increasing frequency; on the projector's grid when there is one */
-	OPTLA_CAPTURE_HADAMARD,        /**< Walsh-Hadamard patterns by increasing sequency, padded to a power of two */
-	OPTLA_CAPTURE_NYSTROEM,        /**< k random columns and k random rows, T_k = C W⁺ R (Wang et al., SIGGRAPH 2009) */
-	OPTLA_CAPTURE_KERNEL_NYSTROEM, /**< the same on T^γ element-wise, γ the best of a search against the truth */
+	OPTLA_CAPTURE_SINGLE, /**< one light at a time, in a random order */
+	OPTLA_CAPTURE_DCT,    /**< DCT-II patterns by increasing frequency; on the projector's grid when there is one */
+	/** Walsh-Hadamard patterns by increasing sequency, on the grid when both of its sides are powers of two; else in a line, cut from
+	    the next power of two, without those that are combinations of earlier ones on the real lights. */
+	OPTLA_CAPTURE_HADAMARD,
+	/** k random columns and k random rows, T_k = C W⁺ R (Wang et al., SIGGRAPH 2009); the tolerance of the pseudo-inverse is the best
+	    of a list against the truth: the method at its best. */
+	OPTLA_CAPTURE_NYSTROEM,
+	OPTLA_CAPTURE_KERNEL_NYSTROEM, /**< the same on T^γ element-wise, γ too the best of a search against the truth */
 	OPTLA_CAPTURE_SVD              /**< the optimum of every rank; needs the truth and takes no photos */
 } optla_capture;
 OPTLA_API const char *optla_capture_name(optla_capture method);
 
 /** One point of an error curve. */
 typedef struct {
-	size_t k; /**< basis photos (brute force), rows and columns (Nystroem), rank (SVD) */
-	uint64_t photos;
+	size_t k;        /**< basis photos (brute force), rows and columns (Nystroem), rank (SVD) */
+	uint64_t photos; /**< taken for this point; 0 for SVD */
 	double exposure_s;
 	double relative_error; /**< Eq. 2.11 */
 	double exponent;       /**< kernel Nystroem's γ, else 1 */
@@ -98,15 +102,17 @@ typedef struct {
 
 typedef struct {
 	size_t size;
-	uint64_t seed;
-	double nystroem_exposure; /**< exposure of single-light photos as a multiple of the others (2 in the thesis) */
-	const size_t *ks;         /**< ascending list of k to report */
+	uint64_t seed; /**< of the random choices: single lights, Nystroem's rows and columns */
+	const size_t *ks; /**< ascending list of k to report, from 1; at most ncols (Nystroem and SVD: min(nrows, ncols)) */
 	size_t nks;
 } optla_capture_options;
 
 /**
- * Error curve of one rival. Photos come from `photos` (a signed operator, e.g. optla_rig_operator(); noisy or not) and single-light photos
- * from `single` (the same with a longer exposure; NULL: photos); the error is against `truth`. points: options->nks.
+ * Error curve of one rival. Photos come from `photos` (a signed operator, e.g. optla_rig_operator(); noisy or not; NULL: truth) and photos
+ * under single lights, or by single camera pixels, from `single` (the same with a longer exposure, twice in the thesis; NULL: photos);
+ * the error is against `truth`. T_k of a brute-force basis is T projected on the span of its first k patterns.
+ * @param grid_width,grid_height of the projector; 0: the lights aren't on a grid. @param points options->nks, one for each k.
+ * @return OPTLA_ERR_ARG for a bad list of k; OPTLA_ERR_SHAPE; OPTLA_ERR_UNSUPPORTED: complex operators, Nystroem without a transpose.
  */
 OPTLA_API optla_status optla_capture_curve(optla_capture method, optla_op *photos, optla_op *single, optla_op *truth,
                                            size_t grid_width, size_t grid_height, const optla_capture_options *options,
