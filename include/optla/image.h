@@ -31,6 +31,8 @@ typedef struct {
 	optla_image_kind kind;
 	double white_dn; /**< RAW_DN: count at which a sample is certainly saturated; else 0 */
 	float *data;     /**< owned */
+	char *
+	    provenance; /**< how the file that it was read from says it was made, lines of "key: value"; NULL if it doesn't say; owned */
 } optla_image;
 
 /** Zero-filled image. @return OPTLA_ERR_ARG for an empty or too large size, OPTLA_ERR_NOMEM. */

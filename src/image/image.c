@@ -48,6 +48,7 @@ void optla_image_destroy(optla_image **image)
 	if (!image || !*image) return;
 	optla_ctx *ctx = (*image)->ctx;
 	optla_free(ctx, (*image)->data);
+	optla_free(ctx, (*image)->provenance);
 	optla_free(ctx, *image);
 	*image = NULL;
 }

@@ -147,6 +147,10 @@ static optla_status make_image(exr_reader *r)
 	OPTLA_TRY(optla_image_start_(r->source, width, height, r->channels, kind, &r->image));
 	if (OPTLA_IMAGE_RAW_DN == kind)
 		r->image->white_dn = optla_white_parse_(attribute(r, OPTLA_KEY_WHITE, text, sizeof text) ? text : NULL, 65535);
+	const exr_attribute_t *made = NULL;
+	if (EXR_ERR_SUCCESS == exr_get_attribute_by_name(r->file, PART, OPTLA_KEY_PROVENANCE, &made) && made &&
+	    EXR_ATTR_STRING == made->type && made->string->length > 0)
+		OPTLA_TRY(optla_image_take_provenance_(r->image, made->string->str, (size_t)made->string->length));
 	if (!memcmp(&r->data, &r->display, sizeof r->data)) {
 		r->pixels = r->image->data;
 		return OPTLA_OK;

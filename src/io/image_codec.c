@@ -54,6 +54,14 @@ double optla_white_parse_(const char *text, double fallback)
 
 void optla_white_format_(double white_dn, char text[32]) { snprintf(text, 32, "%.17g", white_dn); }
 
+optla_status optla_image_take_provenance_(optla_image *image, const char *text, size_t bytes)
+{
+	image->provenance = optla_calloc_(image->ctx, bytes + 1, 1);
+	if (!image->provenance) return OPTLA_ERR_NOMEM;
+	memcpy(image->provenance, text, bytes);
+	return OPTLA_OK;
+}
+
 optla_status optla_image_start_(const optla_source *source, uint64_t width, uint64_t height, uint64_t channels,
                                 optla_image_kind kind, optla_image **out)
 {

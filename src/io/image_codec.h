@@ -38,6 +38,9 @@ bool optla_image_kind_parse_(const char *text, optla_image_kind *kind);
 double optla_white_parse_(const char *text, double fallback);
 void optla_white_format_(double white_dn, char text[32]);
 
+/* Keeps the first `bytes` bytes of what a file says about how it was made. */
+optla_status optla_image_take_provenance_(optla_image *image, const char *text, size_t bytes);
+
 /* ---- checks ---- */
 
 /* An image for what a file's header says: sizes over the limit are an OPTLA_ERR_INPUT that names the file. */

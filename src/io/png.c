@@ -71,7 +71,8 @@ static optla_status read_header(png_reader *r)
 	png_read_update_info(r->png, r->info);
 	OPTLA_TRY(optla_image_start_(s, width, height, png_get_channels(r->png, r->info), kind, &r->image));
 	if (OPTLA_IMAGE_RAW_DN == kind) r->image->white_dn = optla_white_parse_(text_of(r, OPTLA_KEY_WHITE), largest);
-	return OPTLA_OK;
+	const char *made = text_of(r, OPTLA_KEY_PROVENANCE);
+	return made ? optla_image_take_provenance_(r->image, made, strlen(made)) : OPTLA_OK;
 }
 
 static optla_status read_rows(png_reader *r)

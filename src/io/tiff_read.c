@@ -90,7 +90,11 @@ static optla_status make_image(tiff_reader *r)
 	if (OPTLA_IMAGE_RAW_DN == kind)
 		r->image->white_dn = optla_white_parse_(description_value(r, OPTLA_KEY_WHITE, text, sizeof text) ? text : NULL,
 		                                        8 == r->bits ? 255 : 65535);
-	return OPTLA_OK;
+	const char *description = NULL; /* ours ends with the provenance, whose first line is this one */
+	const char *made = TIFFGetField(r->tiff, TIFFTAG_IMAGEDESCRIPTION, &description) && description
+	                       ? strstr(description, "creator: optla")
+	                       : NULL;
+	return made ? optla_image_take_provenance_(r->image, made, strlen(made)) : OPTLA_OK;
 }
 
 static optla_status make_block(tiff_reader *r)
