@@ -29,7 +29,7 @@ libjansson-dev     pc:jansson
 libcairo2-dev      pc:cairo
 librandom123-dev   header:Random123/philox.h
 libxxhash-dev      pc:libxxhash
-zlib1g-dev         pc:zlib
+libzip-dev         pc:libzip
 check              pc:check
 fonts-dejavu-core  file:/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf
 '

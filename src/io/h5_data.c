@@ -8,13 +8,6 @@
 
 enum { MAX_RANK = 8, LIST_BYTES = 600 };
 
-/* Not optla_scalar_bytes(): that is the operator's, in a folder above this one. */
-static size_t scalar_bytes(optla_scalar type)
-{
-	const size_t part = OPTLA_F32 == type || OPTLA_C32 == type ? sizeof(float) : sizeof(double);
-	return OPTLA_C32 == type || OPTLA_C64 == type ? 2 * part : part;
-}
-
 hid_t optla_h5_memory_type_(optla_scalar type, const char *re, const char *im)
 {
 	const bool single = OPTLA_F32 == type || OPTLA_C32 == type;
@@ -208,7 +201,7 @@ static void put_real(void *data, optla_scalar type, size_t k, double value)
 static bool read_booleans(const open_dataset *d, optla_scalar type, void *data)
 {
 	const size_t n = d->count;
-	char *end = (char *)data + n * (scalar_bytes(type) - 1);
+	char *end = (char *)data + n * (optla_scalar_bytes(type) - 1);
 	if (H5Dread(d->dataset, d->type, H5S_ALL, H5S_ALL, H5P_DEFAULT, end) < 0) return false;
 	for (size_t k = 0; k < n; k++) put_real(data, type, k, end[k] ? 1 : 0);
 	return true;
@@ -239,7 +232,7 @@ static optla_status read_new(const optla_h5 *file, const char *name, const open_
 {
 	OPTLA_CHECK(file->ctx, !d->complex || OPTLA_C32 == type || OPTLA_C64 == type, OPTLA_ERR_INPUT,
 	            "%s: '%s' holds complex numbers, real ones are needed", file->path, name);
-	*data = optla_array_(file->ctx, d->count, scalar_bytes(type));
+	*data = optla_array_(file->ctx, d->count, optla_scalar_bytes(type));
 	if (!*data) return OPTLA_ERR_NOMEM;
 	if (read_values(d, type, *data)) return OPTLA_OK;
 	optla_free(file->ctx, *data);

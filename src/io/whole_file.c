@@ -179,30 +179,43 @@ optla_status optla_temporary_finish_(optla_ctx *ctx, const char *path, char **te
 }
 
 /* 0, or errno */
-static int write_all(const char *name, const char *bytes, size_t count)
+static int write_piece(int fd, const char *bytes, size_t count)
 {
-	const int fd = open(name, O_WRONLY | O_TRUNC | O_CLOEXEC);
-	if (fd < 0) return errno;
-	int error = 0;
-	for (size_t done = 0; done < count && !error;) {
+	for (size_t done = 0; done < count;) {
 		const ssize_t n = write(fd, bytes + done, count - done);
 		if (n > 0)
 			done += (size_t)n;
 		else if (n < 0 && EINTR != errno)
-			error = errno;
+			return errno;
 	}
+	return 0;
+}
+
+/* 0, or errno */
+static int write_all(const char *name, const optla_piece *pieces, size_t count)
+{
+	const int fd = open(name, O_WRONLY | O_TRUNC | O_CLOEXEC);
+	if (fd < 0) return errno;
+	int error = 0;
+	for (size_t k = 0; k < count && !error; k++) error = write_piece(fd, pieces[k].bytes, pieces[k].count);
 	if (close(fd) && !error) error = errno;
 	return error;
 }
 
-optla_status optla_write_file_(optla_ctx *ctx, const char *path, const void *bytes, size_t count)
+optla_status optla_write_pieces_(optla_ctx *ctx, const char *path, const optla_piece *pieces, size_t count)
 {
 	char *temporary;
 	OPTLA_TRY(optla_temporary_begin_(ctx, path, &temporary));
-	const int error = write_all(temporary, bytes, count);
+	const int error = write_all(temporary, pieces, count);
 	const optla_status status = error ? fail_errno(ctx, OPTLA_ERR_IO, path, "can't be written", error) : OPTLA_OK;
 	const optla_status finish = optla_temporary_finish_(ctx, path, &temporary, !error);
 	return OPTLA_OK != status ? status : finish;
+}
+
+optla_status optla_write_file_(optla_ctx *ctx, const char *path, const void *bytes, size_t count)
+{
+	const optla_piece piece = {bytes, count};
+	return optla_write_pieces_(ctx, path, &piece, 1);
 }
 
 /* ---- names ---- */
@@ -226,6 +239,24 @@ bool optla_path_exists_(const char *path)
 {
 	struct stat s;
 	return 0 == stat(path, &s);
+}
+
+optla_status optla_split_member_(optla_ctx *ctx, const char *path, char **file, const char **member)
+{
+	*member = NULL;
+	*file = optla_strdup_(ctx, path);
+	if (!*file) return OPTLA_ERR_NOMEM;
+	if (optla_path_exists_(path)) return OPTLA_OK;
+	for (char *colon = *file + strlen(*file); colon > *file; colon--) {
+		if (':' != *colon || !colon[1]) continue;
+		*colon = 0;
+		if (optla_path_exists_(*file)) {
+			*member = path + (colon + 1 - *file);
+			return OPTLA_OK;
+		}
+		*colon = ':';
+	}
+	return OPTLA_OK;
 }
 
 static bool is_directory(const char *path)

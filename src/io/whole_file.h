@@ -14,6 +14,12 @@ optla_status optla_check_readable_(optla_ctx *ctx, const char *path);
 /* Whole or not at all; OPTLA_ERR_IO names the path and the reason (disk full, permission). What stands at path must be a regular
    file or nothing; a symbolic link is replaced. */
 optla_status optla_write_file_(optla_ctx *ctx, const char *path, const void *bytes, size_t count);
+/* The same for several pieces that follow each other. */
+typedef struct {
+	const void *bytes;
+	size_t count;
+} optla_piece;
+optla_status optla_write_pieces_(optla_ctx *ctx, const char *path, const optla_piece *pieces, size_t count);
 /* An empty temporary file beside path, for writers that need a name. finish: sync + rename (commit) or remove; frees and clears
    *temporary (NULL: nothing to do). */
 optla_status optla_temporary_begin_(optla_ctx *ctx, const char *path, char **temporary);
@@ -22,6 +28,9 @@ optla_status optla_temporary_finish_(optla_ctx *ctx, const char *path, char **te
 char *optla_path_join_(optla_ctx *ctx, const char *dir, const char *name);
 /* Directory part of path ("." if none). NULL on failure. */
 char *optla_path_dir_(optla_ctx *ctx, const char *path);
+/* Splits "file.h5:member" where the part before a colon exists; a file whose own name has colons is taken as it is. The caller
+   frees *file; *member points into path, NULL if there is none. */
+optla_status optla_split_member_(optla_ctx *ctx, const char *path, char **file, const char **member);
 bool optla_path_exists_(const char *path);
 /* mkdir -p */
 optla_status optla_make_dirs_(optla_ctx *ctx, const char *path);
