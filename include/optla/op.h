@@ -142,7 +142,7 @@ OPTLA_API optla_status optla_op_dense(optla_ctx *ctx, optla_cblock a, bool copy,
 /**
  * Dense matrix mapped from a file without reading it: a .npy file (C or Fortran order, f4, f8, c8, c16), or a dataset of an HDF5
  * file as "file.h5:dataset" (2-D, contiguous storage, native byte order; rows of the dataset are rows of T). Pages come from disk as
- * needed, so the matrix may be larger than memory.
+ * needed, so the matrix may be larger than memory; the file must keep its size while the operator lives.
  * @return OPTLA_ERR_INPUT for a file that isn't that, OPTLA_ERR_UNSUPPORTED for a chunked or compressed dataset.
  */
 OPTLA_API optla_status optla_op_map(optla_ctx *ctx, const char *path, optla_op **out);
@@ -158,7 +158,7 @@ OPTLA_API optla_status optla_op_product(optla_op *a, optla_op *b, optla_op **out
 /** T = Aᴴ (for a real operator its transpose). */
 OPTLA_API optla_status optla_op_adjoint(optla_op *a, optla_op **out);
 /** Passes everything on to A and checks it: y is filled with NaN first and must come back finite, x must come back unchanged, a
-    non-negative operator must answer y >= 0. Breaches are OPTLA_ERR_DEVICE with the index of the first bad entry. */
+    non-negative operator without noise must answer y >= 0. Breaches are OPTLA_ERR_DEVICE with the index of the first bad entry. */
 OPTLA_API optla_status optla_op_checked(optla_op *a, optla_op **out);
 
 /** How a signed pattern becomes light. */

@@ -88,6 +88,22 @@ void optla_block_conj_(optla_cblock src, optla_block dst)
 	}
 }
 
+void optla_block_add_(optla_cblock src, optla_block dst)
+{
+	const size_t parts = optla_is_complex_(src.type) ? 2 : 1, n = src.nrows * parts;
+	for (size_t j = 0; j < src.ncols; j++) {
+		if (optla_is_single_(src.type)) {
+			const float *s = (const float *)src.data + parts * j * src.ld;
+			float *d = (float *)dst.data + parts * j * dst.ld;
+			for (size_t i = 0; i < n; i++) d[i] += s[i];
+		} else {
+			const double *s = (const double *)src.data + parts * j * src.ld;
+			double *d = (double *)dst.data + parts * j * dst.ld;
+			for (size_t i = 0; i < n; i++) d[i] += s[i];
+		}
+	}
+}
+
 optla_block optla_block_new_(optla_ctx *ctx, size_t nrows, size_t ncols, optla_scalar type)
 {
 	optla_block b = {NULL, nrows, ncols, nrows, type};

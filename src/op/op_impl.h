@@ -25,6 +25,8 @@ size_t optla_first_negative_(const void *data, size_t n, bool single);
 
 /* dst = conj(src), complex only; same shape. */
 void optla_block_conj_(optla_cblock src, optla_block dst);
+/* dst += src, same shape and type. */
+void optla_block_add_(optla_cblock src, optla_block dst);
 /* A contiguous copy; data NULL when memory ran out. */
 optla_block optla_block_copy_(optla_ctx *ctx, optla_cblock src);
 /* A contiguous, uninitialised block; data NULL when memory ran out. */
