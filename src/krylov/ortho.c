@@ -40,3 +40,18 @@ optla_status optla_ortho_fresh_(optla_krylov *run, optla_cblock v, size_t n, opt
 	}
 	return OPTLA_OK;
 }
+
+optla_status optla_rotate_(const optla_krylov *run, optla_cblock basis, size_t k, const double *c, optla_block out)
+{
+	optla_ctx *ctx = run->ctx;
+	if (!k || !out.ncols) {
+		for (size_t j = 0; j < out.ncols; j++) optla_clear_(out, j);
+		return OPTLA_OK;
+	}
+	const optla_block w = optla_block_(optla_array_(ctx, k * out.ncols, optla_scalar_bytes(run->type)), k, out.ncols, run->type);
+	if (!w.data) return OPTLA_ERR_NOMEM;
+	for (size_t j = 0; j < out.ncols; j++) optla_copy_column_(optla_cblock_(c, k, out.ncols, OPTLA_F64), j, w, j);
+	const optla_status status = optla_dense_apply_(ctx, OPTLA_FORWARD, optla_columns_(basis, 0, k), optla_block_const(w), out);
+	optla_free(ctx, w.data);
+	return status;
+}

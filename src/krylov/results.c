@@ -2,33 +2,44 @@
 /* What a run has found: bases, their truncation to the best rank, the principal vector. */
 #include "run.h"
 
-/* out = basis(:, 1..k) w(:, 1..n), w k x n double, largest first taken from the end of ascending eigenvectors v. */
-static void rotate(optla_cblock basis, size_t k, const double *v, optla_block out)
+/* G = DᵀD, k x k, of the first k photos. */
+static optla_status gram(const optla_krylov *run, size_t k, double *g)
 {
-	for (size_t j = 0; j < out.ncols; j++) {
-		optla_clear_(out, j);
-		for (size_t l = 0; j < k && l < k; l++) optla_axpy_(v[l + (k - 1 - j) * k], basis, l, out, j);
-	}
+	const optla_block t = optla_block_(optla_array_(run->ctx, k * k, optla_scalar_bytes(run->type)), k, k, run->type);
+	if (!t.data) return OPTLA_ERR_NOMEM;
+	const optla_cblock d = optla_columns_(optla_block_const(run->d), 0, k);
+	const optla_status status = optla_dense_apply_(run->ctx, OPTLA_TRANSPOSE, d, d, t);
+	for (size_t j = 0; !status && j < k; j++) optla_copy_column_(optla_block_const(t), j, optla_block_(g, k, k, OPTLA_F64), j);
+	optla_free(run->ctx, t.data);
+	return status;
+}
+
+/* The first n = columns of rd eigenvectors, largest first, from ascending ones. */
+static void largest_first(double *v, size_t k)
+{
+	for (size_t j = 0; j < k / 2; j++)
+		for (size_t l = 0; l < k; l++) {
+			const double t = v[l + j * k];
+			v[l + j * k] = v[l + (k - 1 - j) * k];
+			v[l + (k - 1 - j) * k] = t;
+		}
 }
 
 /* Best approximation of rank n of D Pᵀ: with DᵀD = W Λ Wᵀ it is (D W_n)(P W_n)ᵀ, as P is orthonormal. */
 optla_status optla_krylov_truncate_(optla_krylov *run)
 {
 	const size_t k = run->rank;
-	if (!run->rd.data || !k || run->done == false) return OPTLA_OK;
+	if (!run->rd.data || !run->done || k <= (size_t)run->opt.rank) return OPTLA_OK;
 	optla_ctx *ctx = run->ctx;
 	double *g = optla_array_(ctx, k * k, sizeof *g), *w = optla_array_(ctx, k, sizeof *w),
 	       *v = optla_array_(ctx, k * k, sizeof *v);
 	optla_status status = g && w && v ? OPTLA_OK : OPTLA_ERR_NOMEM;
-	for (size_t j = 0; !status && j < k; j++)
-		for (size_t l = 0; l <= j; l++)
-			g[l + j * k] = g[j + l * k] = optla_dot_(optla_block_const(run->d), l, optla_block_const(run->d), j);
+	if (!status) status = gram(run, k, g);
 	if (!status) status = optla_eigh_(ctx, g, k, w, v);
-	if (!status) {
-		rotate(optla_block_const(run->d), k, v, run->rd);
-		rotate(optla_block_const(run->p), k, v, run->rp);
-		if (run->high) rotate(optla_block_const(run->h), k, v, run->rh);
-	}
+	if (!status) largest_first(v, k);
+	if (!status) status = optla_rotate_(run, optla_block_const(run->d), k, v, run->rd);
+	if (!status) status = optla_rotate_(run, optla_block_const(run->p), k, v, run->rp);
+	if (!status && run->high) status = optla_rotate_(run, optla_block_const(run->h), k, v, run->rh);
 	optla_free(ctx, g);
 	optla_free(ctx, w);
 	optla_free(ctx, v);

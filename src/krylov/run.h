@@ -65,6 +65,8 @@ void optla_krylov_judge_(optla_krylov *run);
 optla_status optla_ortho_(optla_krylov *run, optla_cblock v, size_t n, optla_block w, double *before, double *after, double *h);
 /* w := random unit vector (fixed seed) orthogonal to the first n columns of v; *found false if there is none (n = dimension). */
 optla_status optla_ortho_fresh_(optla_krylov *run, optla_cblock v, size_t n, optla_block w, bool *found);
+/* out = basis(:, 1..k) c, c k x out.ncols in double. */
+optla_status optla_rotate_(const optla_krylov *run, optla_cblock basis, size_t k, const double *c, optla_block out);
 /* Rounding level under which a component is no direction but dirt. */
 double optla_ortho_dirt_(optla_scalar type);
 

@@ -70,23 +70,6 @@ optla_status optla_svd_step_(optla_krylov *run)
 	return OPTLA_OK;
 }
 
-/* out(:, j) = basis(:, 1..k) c(:, j), c k x n double. */
-static void rotate(const optla_krylov *run, optla_cblock basis, const double *c, size_t n, optla_block out)
-{
-	for (size_t j = 0; j < n; j++) {
-		optla_clear_(out, j);
-		for (size_t l = 0; l < run->k; l++) optla_axpy_(c[l + j * run->k], basis, l, out, j);
-	}
-}
-
-/* ||a - factor b|| for columns of two blocks; scratch: one column. */
-static double distance(optla_cblock a, size_t i, double factor, optla_cblock b, size_t j, optla_block scratch)
-{
-	optla_copy_column_(a, i, scratch, 0);
-	optla_axpy_(-factor, b, j, scratch, 0);
-	return optla_norm_(optla_block_const(scratch), 0);
-}
-
 /* The small problem: values (k), coefficients of U and V in their bases (k x k each). */
 static optla_status small_svd(const optla_krylov *run, double *values, double *x, double *y)
 {
@@ -135,24 +118,28 @@ static optla_cblock left_basis(const optla_krylov *run) { return optla_block_con
 
 static size_t wanted(const optla_krylov *run) { return run->opt.rank ? optla_min_((size_t)run->opt.rank, run->k) : run->k; }
 
-/* max(||T v - σ u||, ||Tᵀ u - σ v||) / σ_1, T v = D y and Tᵀ u = S x being sums of photos that were taken. */
-static double triplet_residual(const optla_krylov *run, size_t j, const double *values, const double *x, const double *y,
-                               optla_block t[3])
+/* max(||T v - σ u||, ||Tᵀ u - σ v||) / σ_1, T v = D y and Tᵀ u = S x being sums of photos that were taken. t: scratch columns. */
+static optla_status triplet_residual(const optla_krylov *run, size_t j, const double *values, const double *x, const double *y,
+                                     optla_block t[3], double *residual)
 {
-	const double *xj = x + j * run->k, *yj = y + j * run->k;
-	optla_block left = t[0], right = t[1];
-	rotate(run, left_basis(run), xj, 1, left);
-	rotate(run, optla_block_const(run->p), yj, 1, right);
+	const size_t k = run->k;
+	const double *xj = x + j * k, *yj = y + j * k;
+	const optla_block left = t[0], right = t[1];
 	optla_block image = t[2];
+	OPTLA_TRY(optla_rotate_(run, left_basis(run), k, xj, left));
+	OPTLA_TRY(optla_rotate_(run, optla_block_const(run->p), k, yj, right));
 	image.nrows = run->nrows;
-	rotate(run, optla_block_const(run->d), yj, 1, image);
-	double worst = distance(optla_block_const(image), 0, values[j], optla_block_const(left), 0, image);
+	OPTLA_TRY(optla_rotate_(run, optla_block_const(run->d), k, yj, image));
+	optla_axpy_(-values[j], optla_block_const(left), 0, image, 0);
+	double worst = optla_norm_(optla_block_const(image), 0);
 	if (!run->opt.symmetric) {
 		image.nrows = run->ncols;
-		rotate(run, optla_block_const(run->s), xj, 1, image);
-		worst = fmax(worst, distance(optla_block_const(image), 0, values[j], optla_block_const(right), 0, image));
+		OPTLA_TRY(optla_rotate_(run, optla_block_const(run->s), k, xj, image));
+		optla_axpy_(-values[j], optla_block_const(right), 0, image, 0);
+		worst = fmax(worst, optla_norm_(optla_block_const(image), 0));
 	}
-	return values[0] > 0 ? worst / values[0] : 0;
+	*residual = values[0] > 0 ? worst / values[0] : 0;
+	return OPTLA_OK;
 }
 
 static optla_status triplets(const optla_krylov *run, double *values, optla_block *left, optla_block *right, double *residual,
@@ -168,10 +155,12 @@ static optla_status triplets(const optla_krylov *run, double *values, optla_bloc
 	optla_status status = v && x && y && t[0].data && t[1].data && t[2].data ? OPTLA_OK : OPTLA_ERR_NOMEM;
 	if (!status && k) status = run->opt.symmetric ? small_eigen(run, v, x, y) : small_svd(run, v, x, y);
 	if (!status && values) memcpy(values, v, n * sizeof *v);
-	if (!status && left && left->data) rotate(run, left_basis(run), x, n, *left);
-	if (!status && right && right->data) rotate(run, optla_block_const(run->p), y, n, *right);
+	if (!status && left && left->data) status = optla_rotate_(run, left_basis(run), k, x, optla_columns_mut_(*left, 0, n));
+	if (!status && right && right->data)
+		status = optla_rotate_(run, optla_block_const(run->p), k, y, optla_columns_mut_(*right, 0, n));
 	for (size_t j = 0; !status && j < n && (residual || worst); j++) {
-		const double r = triplet_residual(run, j, v, x, y, t);
+		double r = 0;
+		status = triplet_residual(run, j, v, x, y, t, &r);
 		if (residual) residual[j] = r;
 		if (worst) *worst = fmax(*worst, r);
 	}
