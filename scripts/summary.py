@@ -47,8 +47,9 @@ def main():
     parser = argparse.ArgumentParser()
     parser.add_argument('log')
     parser.add_argument('--status', type=int, default=0, help='exit status of meson test')
+    parser.add_argument('--data', help='folder of the real captures',
+                        default=os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..', 'shared', 'data'))
     args = parser.parse_args()
-    data = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..', 'shared', 'data')
     passed = failed = skipped = 0
     try:
         with open(args.log, encoding='utf-8', errors='replace') as log:
@@ -63,8 +64,8 @@ def main():
         skipped += len(reasons)
         for reason in reasons:
             print(f"skipped: {test['name']}: {reason}")
-        if reasons and os.path.isdir(data):
-            print(f"{test['name']}: the real captures are in ../shared/data: nothing may be skipped")
+        if reasons and os.path.isdir(args.data):
+            print(f"{test['name']}: the real captures are in {args.data}: nothing may be skipped")
             failed += 1
     if args.status and not failed:
         failed = 1  # meson itself failed
