@@ -114,10 +114,22 @@ OPTLA_API optla_status optla_rig_light_image(const optla_rig *rig, const double 
 
 /**
  * Illumination vector from a description:
- *   "all", "light:7" (from 0), "light:7=0.5,9=1", "file.npy|.csv|.txt" (nlights numbers), an image of the projector's size,
- *   "env:FILE" - a latitude-longitude environment image, sampled towards each light's direction and averaged over its Voronoi cell -
- *   or "point:AZIMUTH,ELEVATION" (degrees; nearest lights, bilinear on the sphere by inverse distance).
- * @param p nlights numbers >= 0 per channel; channels: 1 or 3 (colour light, channel-major).
+ *   - "all"
+ *   - "light:7" (from 0), "light:7=0.5,9=1"
+ *   - "FILE.npy", ".npz", ".h5", ".csv", ".txt": nlights numbers, or coloured: nlights x 3 (R G B of each light; arrays may also be
+ *     3 x nlights). In text, # starts a comment.
+ *   - an image of the projector's size; display values are decoded, raw counts divided by the white count
+ *   - "env:FILE": a latitude-longitude environment image. Each light gets the integral of radiance over its Voronoi cell (mean radiance
+ *     x solid angle). What lies farther from every light than twice the median angle between neighbouring lights is ignored: the rig
+ *     can't light from there.
+ *   - "point:AZIMUTH,ELEVATION" (degrees): the three nearest lights, weighted by inverse angle, summing to 1; an error out of reach.
+ *
+ * Angles are seen from the scene: azimuth 0 is the way the camera looks, 90 right, 180 (or -180) towards the camera; elevation is up.
+ * An environment image has azimuth -180..180 from left to right and elevation 90..-90 from top to bottom: its middle lies behind the
+ * scene as the camera sees it.
+ * @param p nlights numbers >= 0 per channel; channels: 1 or 3 (colour light, channel-major). White sources light all channels alike;
+ * coloured ones are averaged for one channel (images) or refused (numbers).
+ * @return OPTLA_ERR_ARG, OPTLA_ERR_INPUT (file, line or pixel), OPTLA_ERR_SHAPE, OPTLA_ERR_UNSUPPORTED without grid or directions.
  */
 OPTLA_API optla_status optla_rig_light_vector(optla_rig *rig, const char *spec, size_t channels, double *p);
 
