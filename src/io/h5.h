@@ -43,6 +43,13 @@ optla_status optla_h5_get_text_(optla_h5 *file, const char *name, char **value);
 bool optla_h5_has_(optla_h5 *file, const char *name);
 /* Any dataset of up to 8 dimensions; sets type, ndim, dims and data (optla_free) of *out, nothing on failure. */
 optla_status optla_h5_get_array_(optla_h5 *file, const char *name, optla_array *out);
+/* Where the rows of a 2-D dataset lie in the file, one after the other and as they are in memory, so that it can be mapped.
+   OPTLA_ERR_UNSUPPORTED when it is chunked, compressed, compact or kept in another file. */
+typedef struct {
+	size_t nrows, ncols, offset;
+	optla_scalar type;
+} optla_h5_place;
+optla_status optla_h5_locate_(optla_h5 *file, const char *name, optla_h5_place *out);
 /* Name of the only dataset (optla_free); if there are none or several the error lists them. */
 optla_status optla_h5_only_name_(optla_h5 *file, char **name);
 

@@ -4,6 +4,7 @@
    A matrix stored row after row is its transpose stored column after column: the two directions of a product change places. The file is
    passed through in panels of whole stored columns, from its start to its end, so that a matrix larger than memory is read as
    a stream. */
+#include "io/h5.h"
 #include "io/npy.h"
 #include "io/whole_file.h"
 #include "math/dense.h"
@@ -125,6 +126,21 @@ static optla_status place_npy(map_op *m)
 	return place(m, h.data_offset, h.shape[0], h.shape[1], !h.fortran_order, type, true);
 }
 
+/* Rows of the dataset are rows of T. dataset NULL: the only one of the file. */
+static optla_status place_h5(map_op *m, const char *dataset)
+{
+	optla_h5 *file;
+	optla_h5_place p;
+	char *only = NULL;
+	OPTLA_TRY(optla_h5_open_(m->ctx, m->path, NULL, &file));
+	optla_status status = dataset ? OPTLA_OK : optla_h5_only_name_(file, &only);
+	if (OPTLA_OK == status) status = optla_h5_locate_(file, dataset ? dataset : only, &p);
+	if (OPTLA_OK == status) status = place(m, p.offset, p.nrows, p.ncols, true, p.type, false);
+	optla_free(m->ctx, only);
+	optla_h5_close_(&file);
+	return status;
+}
+
 static optla_status map_file(map_op *m)
 {
 	char reason[128];
@@ -159,7 +175,9 @@ static optla_status open_map(map_op *m, const char *path)
 	if (!m->path) return OPTLA_ERR_NOMEM;
 	if (dataset) m->path[dataset - path - 1] = '\0';
 	OPTLA_TRY(map_file(m));
-	return place_npy(m);
+	const bool is_npy = m->page_bytes >= 6 && !memcmp(m->pages, "\x93NUMPY", 6);
+	OPTLA_CHECK(m->ctx, !is_npy || !dataset, OPTLA_ERR_INPUT, "%s: an NPY file has no dataset '%s'", m->path, dataset);
+	return is_npy ? place_npy(m) : place_h5(m, dataset);
 }
 
 optla_status optla_op_map(optla_ctx *ctx, const char *path, optla_op **out)
