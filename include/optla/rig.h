@@ -46,6 +46,7 @@ typedef struct {
 	bool symmetric;                    /**< T = Tᵀ (coaxial) */
 	size_t nphotos, saturated_samples; /**< recorded: photos read and samples inside the mask at or above the saturation count */
 	double exposure_s;                 /**< nominal exposure of one photo */
+	const char *sensor;                /**< name of the sensor preset that the rig file suggests; NULL: none */
 } optla_rig_info;
 
 typedef struct {
@@ -99,6 +100,9 @@ OPTLA_API extern const optla_option_table optla_rig_operator_table;
  * so y holds T x plus max(x)·a plus noise. x = 0 gives the dark frame (ambient light and noise, scale 1). optla_op_expose() replaces
  * max(x) by a power of the caller's choice (>= max(x)), so that two photos can hold the same ambient light. For Tᵀ the roles swap and
  * the projector's side has a sensor of the same kind with its own full power. Ambient light enters both directions.
+ *
+ * A column is one colour photo: each channel is read out with noise of its own, grey is their mean, and Tᵀ of all channels their sum.
+ * What a recording says to be darker than black (dark frames subtracted) is 0 to the sensor.
  */
 OPTLA_API optla_status optla_rig_light_operator(optla_rig *rig, const optla_rig_operator_options *options, optla_op **out);
 /** optla_op_signed() of the light operator: what Krylov methods use. */

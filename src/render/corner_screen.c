@@ -55,34 +55,29 @@ optla_status optla_screen_flux_(optla_ctx *ctx, const optla_corner *c, optla_gat
 	return status ? status : optla_gather_finish_(ctx, g, nlights);
 }
 
-/* Irradiance per joule of one patch, without the patch's limits: a sum over its corners with alternating signs. */
-static double corner_irradiance(double screen_x, const double point[3], int wall, double y, double z)
+/* Form factor from a wall point to the screen up to (y, z): sums over a patch's corners with alternating signs give the patch's. */
+static double corner_factor(double screen_x, const double point[3], int wall, double y, double z)
 {
-	const double c = screen_x - point[0], zero_to_side[2] = {0, wall == OPTLA_WALL_BACK ? y - point[1] : z - point[2]};
-	if (wall == OPTLA_WALL_LEFT) {
-		const double zero_to_y[2] = {0, y - point[1]};
-		return optla_point_parallel_(zero_to_y, zero_to_side, c);
-	}
-	const double zero_to_height[2] = {0, wall == OPTLA_WALL_FLOOR ? y : z};
-	return optla_point_perpendicular_(zero_to_height, zero_to_side, c);
+	const double c = screen_x - point[0];
+	if (wall == OPTLA_WALL_LEFT) return optla_point_parallel_(y - point[1], z - point[2], c);
+	return wall == OPTLA_WALL_FLOOR ? optla_point_perpendicular_(y, z - point[2], c)
+	                                : optla_point_perpendicular_(z, y - point[1], c);
 }
 
 /* Adds factor * irradiance of every patch at one point to the row of pixel m. grid: (width + 1) x (height + 1) scratch. */
-static void add_point(const optla_corner *c, int wall, const double point[3], double factor, double *grid, double *row,
-                      size_t stride)
+static void add_point(const optla_corner *c, int wall, const double point[3], double factor, double *grid, double *row)
 {
 	const optla_screen_desc *s = &c->desc->screen;
 	const size_t w = s->width, h = s->height;
 	const double dz = (s->z_m[1] - s->z_m[0]) / (double)w, dy = (s->y_m[1] - s->y_m[0]) / (double)h, area = screen_area(s);
 	for (size_t j = 0; j <= h; j++)
 		for (size_t i = 0; i <= w; i++)
-			grid[j * (w + 1) + i] =
-			    corner_irradiance(s->x_m, point, wall, s->y_m[1] - (double)j * dy, s->z_m[0] + (double)i * dz);
+			grid[j * (w + 1) + i] = corner_factor(s->x_m, point, wall, s->y_m[1] - (double)j * dy, s->z_m[0] + (double)i * dz);
 	for (size_t j = 0; j < h; j++)
 		for (size_t i = 0; i < w; i++) {
 			const double *a = grid + j * (w + 1) + i; /* y falls with j */
 			const double f = a[1] - a[0] - a[w + 2] + a[w + 1];
-			row[(j * w + i) * stride] += factor * f / area;
+			row[j * w + i] += factor * f / area;
 		}
 }
 
@@ -100,7 +95,7 @@ static void pixel_direct(const optla_corner *c, int wall, size_t m, double *grid
 	for (int k = 0; k < count; k++) {
 		double point[3];
 		optla_wall_hit_(&c->camera, wall, nodes[k].uv, point);
-		add_point(c, wall, point, nodes[k].weight * optla_pupil_weight_(&c->camera, nodes[k].uv), grid, row, 1);
+		add_point(c, wall, point, nodes[k].weight * optla_pupil_weight_(&c->camera, nodes[k].uv), grid, row);
 	}
 }
 
@@ -164,7 +159,7 @@ optla_status optla_screen_check_hidden_(optla_ctx *ctx, const optla_corner *c)
 	int n = 4;
 	for (int k = 0; k < 4 && n; k++) n = clip_plane(polygon, n, sides[k]);
 	OPTLA_CHECK(ctx, n < 3, OPTLA_ERR_INPUT,
-	            "the camera sees the screen itself: turn it to the left, or make its field_of_view (%g degrees) smaller",
-	            c->desc->camera.field_of_view_deg);
+	            "%sthe camera sees the screen itself: turn it to the left, or make its field_of_view (%g degrees) smaller",
+	            c->desc->where ? c->desc->where : "", c->desc->camera.field_of_view_deg);
 	return OPTLA_OK;
 }

@@ -45,30 +45,15 @@ double optla_exchange_parallel_(const double a1[2], const double b1[2], const do
 	return alternate(parallel_term, a1, b1, a2, b2, distance_m);
 }
 
-/* Integral over the rectangle from the foot of the normal to (a, b): odd in a and in b, so limits may have any sign. */
-static double point_parallel_corner(double a, double b, double c)
+double optla_point_parallel_(double a, double b, double c)
 {
 	const double ra = sqrt(c * c + a * a), rb = sqrt(c * c + b * b);
 	return (a / ra * atan(b / ra) + b / rb * atan(a / rb)) / TWO_PI;
 }
 
-double optla_point_parallel_(const double a[2], const double b[2], double distance_m)
-{
-	return point_parallel_corner(a[1], b[1], distance_m) - point_parallel_corner(a[0], b[1], distance_m) -
-	       point_parallel_corner(a[1], b[0], distance_m) + point_parallel_corner(a[0], b[0], distance_m);
-}
-
 /* (1/π) ∫∫ h c / (c² + s² + h²)² dh ds, integrated over h first */
-static double point_perpendicular_corner(double height, double side, double c)
+double optla_point_perpendicular_(double height, double side, double c)
 {
 	const double r = sqrt(c * c + height * height);
-	return c / r * atan(side / r) / TWO_PI;
-}
-
-double optla_point_perpendicular_(const double height[2], const double side[2], double distance_m)
-{
-	return point_perpendicular_corner(height[0], side[1], distance_m) -
-	       point_perpendicular_corner(height[0], side[0], distance_m) -
-	       point_perpendicular_corner(height[1], side[1], distance_m) +
-	       point_perpendicular_corner(height[1], side[0], distance_m);
+	return (atan(side / c) - c / r * atan(side / r)) / TWO_PI;
 }

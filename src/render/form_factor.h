@@ -15,9 +15,10 @@ double optla_exchange_parallel_(const double a1[2], const double b1[2], const do
 
 /* Form factors F from a surface element at the origin to a rectangle: E = F B is the irradiance it gets from exitance B. */
 
-/* Rectangle parallel to the element, at a distance > 0. */
-double optla_point_parallel_(const double a[2], const double b[2], double distance_m);
-/* Rectangle in a plane perpendicular to the element's, at a distance > 0; height: extent along the element's normal (>= 0). */
-double optla_point_perpendicular_(const double height[2], const double side[2], double distance_m);
+/* Rectangle [0, a] x [0, b] parallel to the element, at a distance > 0. Odd in a and in b: other rectangles are sums over corners. */
+double optla_point_parallel_(double a, double b, double distance_m);
+/* Rectangle [0, height] x [0, side] in a plane perpendicular to the element's, at a distance > 0; height: along the element's normal
+   (>= 0). Odd in side. */
+double optla_point_perpendicular_(double height, double side, double distance_m);
 
 #endif

@@ -31,45 +31,46 @@ static double depth(const optla_pinhole_desc *p, const double point[3])
 	return along / sqrt(length);
 }
 
-static optla_status check_pose(optla_ctx *ctx, const char *name, const optla_pinhole_desc *p)
+static optla_status check_pose(optla_ctx *ctx, const char *where, const char *name, const optla_pinhole_desc *p)
 {
 	double f[3], up = 0, along = 0, length = 0;
 	for (int k = 0; k < 3; k++) {
 		OPTLA_CHECK(ctx, isfinite(p->position_m[k]) && isfinite(p->look_at_m[k]) && isfinite(p->up[k]), OPTLA_ERR_INPUT,
-		            "%s: position, look_at and up must be finite", name);
+		            "%s%s: position, look_at and up must be finite", where, name);
 		f[k] = p->look_at_m[k] - p->position_m[k];
 		length += f[k] * f[k];
 		up += p->up[k] * p->up[k];
 		along += f[k] * p->up[k];
 	}
-	OPTLA_CHECK(ctx, length > 1e-12, OPTLA_ERR_INPUT, "%s: it looks at its own position (%g, %g, %g)", name, p->position_m[0],
-	            p->position_m[1], p->position_m[2]);
+	OPTLA_CHECK(ctx, length > 1e-12, OPTLA_ERR_INPUT, "%s%s: it looks at its own position (%g, %g, %g)", where, name,
+	            p->position_m[0], p->position_m[1], p->position_m[2]);
 	OPTLA_CHECK(ctx, length * up - along * along > 1e-9 * length * up, OPTLA_ERR_INPUT,
-	            "%s: up (%g, %g, %g) is zero or along the line of sight", name, p->up[0], p->up[1], p->up[2]);
+	            "%s%s: up (%g, %g, %g) is zero or along the line of sight", where, name, p->up[0], p->up[1], p->up[2]);
 	OPTLA_CHECK(ctx, p->field_of_view_deg >= 0.1 && p->field_of_view_deg <= 170, OPTLA_ERR_INPUT,
-	            "%s: field_of_view is %g degrees: allowed is 0.1 to 170", name, p->field_of_view_deg);
+	            "%s%s: field_of_view is %g degrees: allowed is 0.1 to 170", where, name, p->field_of_view_deg);
 	OPTLA_CHECK(ctx, p->width >= 1 && p->width <= 4096 && p->height >= 1 && p->height <= 4096, OPTLA_ERR_INPUT,
-	            "%s: size is %zu x %zu: allowed is 1 to 4096 each", name, p->width, p->height);
+	            "%s%s: size is %zu x %zu: allowed is 1 to 4096 each", where, name, p->width, p->height);
 	return OPTLA_OK;
 }
 
 /* In front of every wall, and every corner of every wall in front of it. */
 static optla_status check_pinhole(optla_ctx *ctx, const char *name, const optla_corner_desc *d, const optla_pinhole_desc *p)
 {
-	OPTLA_TRY(check_pose(ctx, name, p));
+	const char *where = d->where ? d->where : "";
+	OPTLA_TRY(check_pose(ctx, where, name, p));
 	for (int w = 0; w < OPTLA_WALLS; w++) {
 		if (!d->wall[w]) continue;
 		const int a = wall_axis[w];
 		OPTLA_CHECK(ctx, p->position_m[a] >= CLOSEST_M, OPTLA_ERR_INPUT,
-		            "%s: %c = %g m is not in front of the wall '%s': at least %g m are needed", name, "xyz"[a],
+		            "%s%s: %c = %g m is not in front of the wall '%s': at least %g m are needed", where, name, "xyz"[a],
 		            p -> position_m[a], wall_names[w], CLOSEST_M);
 		for (int corner = 0; corner < 4; corner++) {
 			double point[3] = {0, 0, 0};
 			point[(a + 1) % 3] = corner & 1;
 			point[(a + 2) % 3] = corner >> 1;
 			OPTLA_CHECK(ctx, depth(p, point) >= CLOSEST_M, OPTLA_ERR_INPUT,
-			            "%s: the corner (%g, %g, %g) of the wall '%s' is behind it: move it back or turn it", name, point[0],
-			            point[1], point[2], wall_names[w]);
+			            "%s%s: the corner (%g, %g, %g) of the wall '%s' is behind it: move it back or turn it", where, name,
+			            point[0], point[1], point[2], wall_names[w]);
 		}
 	}
 	return OPTLA_OK;
@@ -77,17 +78,20 @@ static optla_status check_pinhole(optla_ctx *ctx, const char *name, const optla_
 
 static optla_status check_walls(optla_ctx *ctx, const optla_corner_desc *d)
 {
+	const char *where = d->where ? d->where : "";
 	int walls = 0;
 	for (int w = 0; w < OPTLA_WALLS; w++) {
 		if (!d->wall[w]) continue;
 		walls++;
 		for (int c = 0; c < 3; c++)
 			OPTLA_CHECK(ctx, d->albedo[w][c] >= 0 && d->albedo[w][c] <= 1, OPTLA_ERR_INPUT,
-			            "walls: the albedo of '%s' is %g: allowed is 0 to 1", wall_names[w], d->albedo[w][c]);
+			            "%swalls: the albedo of '%s' is %g: allowed is 0 to 1", where, wall_names[w], d->albedo[w][c]);
 	}
-	OPTLA_CHECK(ctx, walls >= 2, OPTLA_ERR_INPUT, "walls: a corner has two or three of floor, left, back, not %d", walls);
-	OPTLA_CHECK(ctx, d->patches >= 1 && d->patches <= 64, OPTLA_ERR_INPUT, "patches is %zu: allowed is 1 to 64", d->patches);
-	OPTLA_CHECK(ctx, d->pupil_m > 0 && d->pupil_m <= 0.2, OPTLA_ERR_INPUT, "pupil_m is %g m: allowed is above 0 to 0.2",
+	OPTLA_CHECK(ctx, walls >= 2, OPTLA_ERR_INPUT, "%swalls: a corner has two or three of floor, left, back, not %d", where,
+	            walls);
+	OPTLA_CHECK(ctx, d->patches >= 1 && d->patches <= 64, OPTLA_ERR_INPUT, "%spatches is %zu: allowed is 1 to 64", where,
+	            d->patches);
+	OPTLA_CHECK(ctx, d->pupil_m > 0 && d->pupil_m <= 0.2, OPTLA_ERR_INPUT, "%spupil_m is %g m: allowed is above 0 to 0.2", where,
 	            d->pupil_m);
 	return OPTLA_OK;
 }
@@ -95,18 +99,19 @@ static optla_status check_walls(optla_ctx *ctx, const optla_corner_desc *d)
 static optla_status check_screen(optla_ctx *ctx, const optla_corner_desc *d)
 {
 	const optla_screen_desc *s = &d->screen;
-	OPTLA_CHECK(ctx, !d->coaxial, OPTLA_ERR_INPUT, "screen: a coaxial corner has no screen");
+	const char *where = d->where ? d->where : "";
+	OPTLA_CHECK(ctx, !d->coaxial, OPTLA_ERR_INPUT, "%sscreen: a coaxial corner has no screen", where);
 	OPTLA_CHECK(ctx, s->x_m >= 1 && s->x_m <= 100, OPTLA_ERR_INPUT,
-	            "screen: x is %g m: allowed is 1 (the edge of the walls) to 100", s->x_m);
+	            "%sscreen: x is %g m: allowed is 1 (the edge of the walls) to 100", where, s->x_m);
 	OPTLA_CHECK(ctx, s->y_m[0] >= 0 && s->y_m[0] < s->y_m[1] && s->y_m[1] <= 100, OPTLA_ERR_INPUT,
-	            "screen: y is [%g, %g] m: allowed is 0 <= lower < upper", s->y_m[0], s->y_m[1]);
+	            "%sscreen: y is [%g, %g] m: allowed is 0 <= lower < upper", where, s->y_m[0], s->y_m[1]);
 	OPTLA_CHECK(ctx, s->z_m[0] >= 0 && s->z_m[0] < s->z_m[1] && s->z_m[1] <= 100, OPTLA_ERR_INPUT,
-	            "screen: z is [%g, %g] m: allowed is 0 <= lower < upper", s->z_m[0], s->z_m[1]);
+	            "%sscreen: z is [%g, %g] m: allowed is 0 <= lower < upper", where, s->z_m[0], s->z_m[1]);
 	OPTLA_CHECK(ctx, s->width >= 1 && s->width <= 1024 && s->height >= 1 && s->height <= 1024, OPTLA_ERR_INPUT,
-	            "screen: size is %zu x %zu: allowed is 1 to 1024 each", s->width, s->height);
+	            "%sscreen: size is %zu x %zu: allowed is 1 to 1024 each", where, s->width, s->height);
 	OPTLA_CHECK(ctx, d->camera.position_m[0] < s->x_m, OPTLA_ERR_INPUT,
-	            "camera: x = %g m is behind the screen at x = %g m, which would hide the corner from it", d->camera.position_m[0],
-	            s->x_m);
+	            "%scamera: x = %g m is behind the screen at x = %g m, which would hide the corner from it", where,
+	            d->camera.position_m[0], s->x_m);
 	return OPTLA_OK;
 }
 

@@ -23,6 +23,7 @@ typedef struct {
 } optla_screen_desc;
 
 typedef struct {
+	const char *where; /* put before messages ("rig.yaml: "); NULL: nothing */
 	bool wall[OPTLA_WALLS];
 	double albedo[OPTLA_WALLS][3]; /* RGB */
 	size_t patches;                /* per side of a wall, for the indirect light */
