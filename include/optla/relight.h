@@ -28,8 +28,9 @@ typedef struct {
 	float *photos;                  /**< D: (npixels*channels) x rank, column-major (photo after photo) */
 	float *illuminations;           /**< P: nlights x rank */
 	double *light_direction;        /**< nlights x 3, or NULL */
-	float *thumbnails;              /**< low-resolution d_k: nthumb x rank, or NULL */
+	float *thumbnails;              /**< low-resolution d_k: nthumb x rank; NULL when the photos themselves are what Krylov saw */
 	float *dual_light, *dual_photo; /**< r_k (nthumb x rank) and s_k (nlights x rank) of Algorithm 2, or NULL */
+	/** Samples of a low-resolution picture: thumb_width*thumb_height, or npixels (grey), npixels*channels, or of a shape not known (0 x 0). */
 	size_t nthumb, thumb_width, thumb_height;
 	uint64_t photos_taken;
 	double exposure_s;
@@ -58,7 +59,11 @@ OPTLA_API optla_status optla_relight_combine(optla_ctx *ctx, const float *d, siz
 OPTLA_API optla_status optla_model_image(const optla_model *model, const float *i, optla_image **out);
 /** Illumination vector as optla_rig_light_vector() reads it, from the model's own light directions and grid. */
 OPTLA_API optla_status optla_model_light_vector(const optla_model *model, const char *spec, size_t channels, double *p);
-/** Contact sheet of the first `count` components d_k, p_k, r_k, s_k in four rows, signed colours, like Fig. 2.6. */
+/**
+ * Contact sheet of the first `count` components (at most rank) in rows, signed colours, each with its own full scale, like Fig. 2.6: d_k,
+ * p_k and, where the model has them, r_k, s_k. Lights on a grid are its pixels; others are discs at their directions, the middle being
+ * the direction towards the camera and the distance from it the angle; without directions they are stripes.
+ */
 OPTLA_API optla_status optla_model_montage(const optla_model *model, size_t count, optla_image **out);
 /** Dual photo s = Tᵀ r ~ P (Dᵀ r) (Eq. 1.12): what the projector sees when the camera shines r (npixels*channels). s: nlights. */
 OPTLA_API optla_status optla_dual(const optla_model *model, const float *r, float *s);
