@@ -66,26 +66,34 @@ OPTLA_API optla_status optla_image_signed_colours(const optla_image *image, doub
 /* ---- files ---- */
 
 /**
- * Reads PNG (8/16 bit), TIFF (8/16 bit, 32-bit float), OpenEXR (half, float; R G B A or Y), PFM, 2- or 3-D NPY (height x width [x
- * channels]), or camera RAW (linear, demosaiced, no white balance, through LibRaw); found from the content, not the name.
+ * Reads PNG (1 to 16 bits), TIFF (8/16 bit, 32-bit float), OpenEXR (half, float, integer; R G B A or Y A of the first part), PFM,
+ * 2- or 3-D NPY (height x width [x channels]), or camera RAW through LibRaw; found from the content, not the name. Files that end too
+ * early are errors, also where the pixels are all there.
  *
- * Kind: 16-bit integers and camera RAW are RAW_DN, 8-bit integers DISPLAY, floats LINEAR; a PNG/TIFF/EXR that Optla wrote says its own
+ * Kind: 16-bit integers and camera RAW are RAW_DN, fewer bits DISPLAY, floats LINEAR; a PNG/TIFF/EXR that Optla wrote says its own
  * kind and that is believed. Use optla_image_set_kind() where you know better.
- * @return OPTLA_ERR_INPUT with the file's name and what is wrong in it; OPTLA_ERR_IO when it can't be read.
+ *
+ * OpenEXR: the image is the display window; what the data window doesn't cover is zero. Camera RAW: counts as the sensor gave them, black
+ * level and all, unrotated, without white balance; missing colours are interpolated linearly (bilinear for Bayer), so that sums of photos
+ * stay sums; white_dn is the camera's white level.
+ * @return OPTLA_ERR_INPUT with the file's name and what is wrong in it; OPTLA_ERR_UNSUPPORTED for what the format allows and Optla can't
+ *         read (deep or subsampled EXR, sensors other than RGB); OPTLA_ERR_IO when it can't be read.
  */
 OPTLA_API optla_status optla_image_load(optla_ctx *ctx, const char *path, optla_image **out);
 /** As optla_image_load() from bytes in memory; name is used in messages. Never reads outside bytes[0..count). */
 OPTLA_API optla_status optla_image_decode(optla_ctx *ctx, const void *bytes, size_t count, const char *name, optla_image **out);
-/** Reads count files with the context's threads; out[k] are all set, or all NULL after a failure (the first by index is reported). */
+/** Reads count files with the context's threads; out[k] are all set, or all NULL after a failure (the first by index is reported).
+    Images, error and the inputs in the provenance are the same for any number of threads. Reports progress; can be cancelled. */
 OPTLA_API optla_status optla_image_load_stack(optla_ctx *ctx, const char *const *paths, size_t count, optla_image **out);
 /** Declares what the samples mean, without changing them; white_dn matters for RAW_DN alone. */
 OPTLA_API void optla_image_set_kind(optla_image *image, optla_image_kind kind, double white_dn);
 
 /**
  * Writes by the ending of the name, whole or not at all: .png (8 bit for DISPLAY, 16 bit for RAW_DN; LINEAR is an error that says
- * to convert or to use .exr), .tif (float for LINEAR), .exr (float), .pfm, .npy. Carries the kind and the provenance where the
- * format has room (PNG text, TIFF description, EXR attribute; NPY and PFM have none).
- * @return OPTLA_ERR_ARG for an unknown ending or a kind the format can't hold, OPTLA_ERR_IO.
+ * to convert or to use .exr), .tif (as PNG, and float for LINEAR), .exr (float), .pfm (LINEAR alone), .npy (as .tif). Counts are rounded to
+ * integers; DISPLAY is clamped to 0..1. Carries the kind, white level and provenance where the format has room (PNG text, TIFF
+ * description, EXR attribute; NPY says the kind by its type, PFM nothing).
+ * @return OPTLA_ERR_ARG for an unknown ending, or a kind or sample that the format can't hold; OPTLA_ERR_IO.
  */
 OPTLA_API optla_status optla_image_save(const optla_image *image, const char *path);
 

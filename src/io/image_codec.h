@@ -66,6 +66,6 @@ optla_status optla_pfm_decode_(const optla_source *source, optla_image **out);
 optla_status optla_pfm_encode_(const optla_image *image, optla_memory_file *file);
 optla_status optla_raw_decode_(const optla_source *source, optla_image **out);
 optla_status optla_npy_image_decode_(const optla_source *source, optla_image **out);
-optla_status optla_npy_image_save_(const optla_image *image, const char *path);
+optla_status optla_npy_image_encode_(const optla_image *image, optla_memory_file *file);
 
 #endif

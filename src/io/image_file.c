@@ -19,8 +19,8 @@ optla_status optla_image_decode(optla_ctx *ctx, const void *bytes, size_t count,
 	case OPTLA_FILE_EXR: return optla_exr_decode_(&source, out);
 	case OPTLA_FILE_PFM: return optla_pfm_decode_(&source, out);
 	case OPTLA_FILE_TIFF: return optla_tiff_decode_(&source, out);
-	case OPTLA_FILE_NPY:
-	case OPTLA_FILE_RAW:
+	case OPTLA_FILE_RAW: return optla_raw_decode_(&source, out);
+	case OPTLA_FILE_NPY: return optla_npy_image_decode_(&source, out);
 	case OPTLA_FILE_NPZ:
 	case OPTLA_FILE_HDF5:
 	case OPTLA_FILE_YAML:
@@ -130,6 +130,7 @@ static optla_status encode(const optla_image *image, optla_file_type type, const
 	case OPTLA_FILE_EXR: return optla_exr_encode_(image, provenance, file);
 	case OPTLA_FILE_PFM: return optla_pfm_encode_(image, file);
 	case OPTLA_FILE_TIFF: return optla_tiff_encode_(image, provenance, file);
+	case OPTLA_FILE_NPY: return optla_npy_image_encode_(image, file);
 	default: return OPTLA_FAIL(image->ctx, OPTLA_ERR_UNSUPPORTED, "no writer for this format");
 	}
 }

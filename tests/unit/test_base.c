@@ -151,6 +151,82 @@ START_TEST(every_allocation_of_the_context_may_fail)
 }
 END_TEST
 
+static void count_error(void *user, optla_status code, const char *where, const char *message)
+{
+	(void)code;
+	(void)where;
+	(void)message;
+	++*(int *)user; /* plain: the context's lock guards it */
+}
+
+static bool count_progress(void *user, const optla_progress_event *event)
+{
+	(void)event;
+	++*(int *)user;
+	return true;
+}
+
+START_TEST(handlers_and_allocator_are_called_by_one_thread_at_a_time)
+{
+	enum { N = 20000 };
+	int errors = 0, reports = 0;
+	alloc_budget b = {.left = 10L * N};
+	const optla_ctx_desc d = {.size = sizeof d,
+	                          .error = count_error,
+	                          .error_user = &errors,
+	                          .progress = count_progress,
+	                          .progress_user = &reports,
+	                          .alloc = budget_alloc,
+	                          .free = budget_free,
+	                          .alloc_user = &b};
+	optla_ctx *ctx;
+	ok(optla_ctx_create(&ctx, &d));
+#pragma omp parallel for num_threads(7) schedule(dynamic)
+	for (int k = 0; k < N; k++) {
+		OPTLA_FAIL(ctx, OPTLA_ERR_ARG, "number %d", k);
+		optla_report_(ctx, "test", (uint64_t)k, N, 0, NULL, 0);
+		optla_free(ctx, optla_alloc_(ctx, 8));
+		optla_note_input_bytes_(ctx, k % 2 ? "odd" : "even", &k, sizeof k);
+	}
+	ck_assert_int_eq(errors, N);
+	ck_assert_int_eq(reports, N);
+	optla_ctx_destroy(&ctx);
+	ck_assert_int_eq(b.live, 0);
+}
+END_TEST
+
+START_TEST(a_child_keeps_its_errors_and_inputs_until_the_join)
+{
+	error_store e = {0};
+	optla_ctx *ctx = test_ctx(&e, 4), *child[2];
+	char *text;
+	for (int k = 0; k < 2; k++) {
+		child[k] = optla_ctx_fork_(ctx);
+		ck_assert_int_eq(optla_ctx_threads(child[k]), 1);
+	}
+	optla_note_input_bytes_(child[1], "second", "b", 1);
+	optla_note_input_bytes_(child[0], "first", "a", 1);
+	OPTLA_FAIL(child[1], OPTLA_ERR_INPUT, "wrong %d%%", 7);
+	ck_assert_int_eq(e.count, 0);
+	ck_assert_str_eq(optla_ctx_last_error(ctx), "");
+	for (int k = 0; k < 2; k++) optla_ctx_join_(&child[k], true);
+	ck_assert_int_eq(e.count, 1);
+	ck_assert_int_eq(e.code, OPTLA_ERR_INPUT);
+	ck_assert_str_eq(e.text, "wrong 7%");
+	ok(optla_ctx_provenance(ctx, &text));
+	ck_assert_ptr_nonnull(strstr(text, "input: first "));
+	ck_assert_ptr_nonnull(strstr(strstr(text, "input: first "), "input: second "));
+	optla_free(ctx, text);
+	child[0] = optla_ctx_fork_(ctx);
+	optla_ctx_cancel(ctx);
+	status_is(optla_check_cancel_(child[0]), OPTLA_ERR_CANCELLED);
+	optla_ctx_join_(&child[0], false);
+	ck_assert_int_eq(e.count, 1);
+	optla_ctx_join_(&child[0], true); /* none */
+	optla_ctx_destroy(&ctx);
+}
+END_TEST
+
 int main(void)
 {
 	Suite *s = suite_create("base");
@@ -162,6 +238,8 @@ int main(void)
 	tcase_add_test(t, poisson_distribution_chi_square);
 	tcase_add_test(t, options_are_checked_and_named);
 	tcase_add_test(t, every_allocation_of_the_context_may_fail);
+	tcase_add_test(t, handlers_and_allocator_are_called_by_one_thread_at_a_time);
+	tcase_add_test(t, a_child_keeps_its_errors_and_inputs_until_the_join);
 	suite_add_tcase(s, t);
 	return run_suite(s);
 }
