@@ -29,7 +29,7 @@ optla_status optla_dense_apply_(optla_ctx *ctx, optla_trans trans, optla_cblock 
 /* Vectors of a block's scalar type, one column; sums in double in a fixed order. Real types only. */
 double optla_dot_(optla_cblock a, size_t i, optla_cblock b, size_t j); /* <a_i, b_j> */
 double optla_norm_(optla_cblock a, size_t i);
-double optla_norm_fro_(optla_cblock a); /* all types */
+double optla_norm_fro_(optla_cblock a);     /* all types */
 void optla_clear_(optla_block a, size_t i); /* a_i = 0, whatever it held */
 void optla_scale_(optla_block a, size_t i, double factor);
 void optla_axpy_(double factor, optla_cblock x, size_t i, optla_block y, size_t j); /* y_j += factor x_i */

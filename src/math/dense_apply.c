@@ -18,14 +18,18 @@ enum {
 	/* rows of a tile of y = A x, one right-hand side: 128 KiB of float y stay in level 2 while long stretches of each column stream
 	   past (50 columns of 2.3 million rows: 2048 rows 11 ms, 8192 9.3, 32768 8.3, 131072 8.5; reading alone 8.0) */
 	ROWS_STREAM = 32768,
-	ROWS_ONE = 4096,       /* rows of a tile for one right-hand side: 16 KiB of float y stay in level 1 */
+	ROWS_ONE = 4096,       /* for two to seven */
 	ROWS_BLOCK = 512,      /* for several: 8 columns of y in level 1 */
+	ROWS_DOTS = 16384,     /* of a transposed product: 64 KiB of float x stay in level 2 */
+	TILES_WANTED = 24,     /* at least: 1, 2, 3, 4, 6, 8 or 12 threads get equal shares */
 	COLUMNS_TILE = 128,    /* columns of a tile: 256 KiB of A stay in level 2 while all right-hand sides pass */
 	COLUMNS_TASK = 64,     /* columns of one task of a transposed product */
 	TASKS_WANTED = 64,     /* enough to share out evenly, few enough that partial sums are small */
 	BLOCK = 64,            /* right-hand sides of a transposed product per pass: bounds the partial sums */
 	SERIAL_BELOW = 1 << 17 /* multiplications that take less time than waking the threads */
 };
+
+/* Tasks are handed out as threads come free: memory doesn't serve all threads alike, and each task writes to a place of its own. */
 
 static bool worth_threads(optla_cblock a, size_t nrhs) { return (double)a.nrows * (double)a.ncols * (double)nrhs > SERIAL_BELOW; }
 
@@ -36,11 +40,10 @@ static const char *at(const void *data, size_t index, size_t bytes) { return (co
 static void apply_forward(optla_ctx *ctx, optla_cblock a, optla_cblock x, optla_block y)
 {
 	const size_t bytes = optla_scalar_bytes(a.type);
-	size_t rows = x.ncols >= 8 ? ROWS_BLOCK : 1 == x.ncols ? ROWS_STREAM : ROWS_ONE;
-	while (rows > 64 && ceil_div(a.nrows, rows) < TASKS_WANTED)
-		rows /= 2; /* small matrices: smaller tiles, still enough of them */
+	const size_t most = x.ncols >= 8 ? ROWS_BLOCK : 1 == x.ncols ? ROWS_STREAM : ROWS_ONE;
+	const size_t rows = optla_min_(most, (ceil_div(a.nrows, TILES_WANTED) / 64 + 1) * 64);
 	const size_t ntiles = ceil_div(a.nrows, rows), width = x.ncols >= 8 ? COLUMNS_TILE : a.ncols;
-#pragma omp parallel for num_threads(optla_ctx_threads(ctx)) schedule(static) if (worth_threads(a, x.ncols))
+#pragma omp parallel for num_threads(optla_ctx_threads(ctx)) schedule(dynamic) if (worth_threads(a, x.ncols))
 	for (size_t k = 0; k < ntiles; k++) {
 		const size_t first = k * rows, n = optla_min_(rows, a.nrows - first);
 		char *to = (char *)y.data + first * bytes;
@@ -58,8 +61,8 @@ static void partial_sums(optla_ctx *ctx, bool conj, optla_cblock a, optla_cblock
 {
 	const size_t bytes = optla_scalar_bytes(a.type), parts = a.type >= OPTLA_C32 ? 2 : 1;
 	const size_t npanels = ceil_div(a.ncols, COLUMNS_TASK), nchunks = ceil_div(a.nrows, chunk);
-	const size_t rows = x.ncols >= 4 ? ROWS_BLOCK : ROWS_ONE;
-#pragma omp parallel for num_threads(optla_ctx_threads(ctx)) schedule(static) if (worth_threads(a, x.ncols))
+	const size_t rows = x.ncols >= 4 ? ROWS_BLOCK : ROWS_DOTS;
+#pragma omp parallel for num_threads(optla_ctx_threads(ctx)) schedule(dynamic) if (worth_threads(a, x.ncols))
 	for (size_t k = 0; k < nchunks * npanels; k++) {
 		const size_t c = k / npanels, j = k % npanels * COLUMNS_TASK, end = optla_min_(a.nrows, (c + 1) * chunk);
 		double *to = sums + parts * (c * x.ncols * a.ncols + j);

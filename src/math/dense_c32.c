@@ -24,17 +24,21 @@ void optla_tile_forward_c32_(optla_tile t, void *y_, size_t ldy)
 /* sum += (ar + i sign ai) (xr + i xi) */
 OPTLA_CLONES static void dot_column(size_t n, const float *restrict a, float sign, const float *restrict x, double *sum)
 {
-	float rr = 0, ii = 0, ri = 0, ir = 0;
+	enum { FLOAT_ROWS = 1024 }; /* as in dense_f32.c */
+	for (size_t first = 0; first < n; first += FLOAT_ROWS) {
+		const size_t end = n - first < FLOAT_ROWS ? n : first + FLOAT_ROWS;
+		float rr = 0, ii = 0, ri = 0, ir = 0;
 #pragma omp simd reduction(+ : rr, ii, ri, ir)
-	for (size_t i = 0; i < n; i++) {
-		const float ar = a[2 * i], ai = a[2 * i + 1], xr = x[2 * i], xi = x[2 * i + 1];
-		rr += ar * xr;
-		ii += ai * xi;
-		ri += ar * xi;
-		ir += ai * xr;
+		for (size_t i = first; i < end; i++) {
+			const float ar = a[2 * i], ai = a[2 * i + 1], xr = x[2 * i], xi = x[2 * i + 1];
+			rr += ar * xr;
+			ii += ai * xi;
+			ri += ar * xi;
+			ir += ai * xr;
+		}
+		sum[0] += (double)(rr - sign * ii);
+		sum[1] += (double)(ri + sign * ir);
 	}
-	sum[0] += (double)(rr - sign * ii);
-	sum[1] += (double)(ri + sign * ir);
 }
 
 void optla_tile_dots_c32_(optla_tile t, bool conj, double *sums, size_t lds)

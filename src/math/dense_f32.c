@@ -62,32 +62,41 @@ void optla_tile_forward_f32_(optla_tile t, void *y_, size_t ldy)
 		}
 }
 
+/* Rows that are summed in float before they join the sum in double: keeps the rounding of long columns away. */
+enum { FLOAT_ROWS = 1024 };
+
 OPTLA_CLONES static void dots_8_columns(size_t n, const float *restrict a, size_t lda, const float *restrict x, double *sums)
 {
 	const float *restrict b = a + 4 * lda;
-	float s0 = 0, s1 = 0, s2 = 0, s3 = 0, s4 = 0, s5 = 0, s6 = 0, s7 = 0;
+	for (size_t first = 0; first < n; first += FLOAT_ROWS) {
+		const size_t end = n - first < FLOAT_ROWS ? n : first + FLOAT_ROWS;
+		float s0 = 0, s1 = 0, s2 = 0, s3 = 0, s4 = 0, s5 = 0, s6 = 0, s7 = 0;
 #pragma omp simd reduction(+ : s0, s1, s2, s3, s4, s5, s6, s7)
-	for (size_t i = 0; i < n; i++) {
-		const float v = x[i];
-		s0 += a[i] * v;
-		s1 += a[lda + i] * v;
-		s2 += a[2 * lda + i] * v;
-		s3 += a[3 * lda + i] * v;
-		s4 += b[i] * v;
-		s5 += b[lda + i] * v;
-		s6 += b[2 * lda + i] * v;
-		s7 += b[3 * lda + i] * v;
+		for (size_t i = first; i < end; i++) {
+			const float v = x[i];
+			s0 += a[i] * v;
+			s1 += a[lda + i] * v;
+			s2 += a[2 * lda + i] * v;
+			s3 += a[3 * lda + i] * v;
+			s4 += b[i] * v;
+			s5 += b[lda + i] * v;
+			s6 += b[2 * lda + i] * v;
+			s7 += b[3 * lda + i] * v;
+		}
+		const float s[8] = {s0, s1, s2, s3, s4, s5, s6, s7};
+		for (size_t j = 0; j < 8; j++) sums[j] += (double)s[j];
 	}
-	const float s[8] = {s0, s1, s2, s3, s4, s5, s6, s7};
-	for (size_t j = 0; j < 8; j++) sums[j] += (double)s[j];
 }
 
 OPTLA_CLONES static void dot_column(size_t n, const float *restrict a, const float *restrict x, double *sum)
 {
-	float s = 0;
+	for (size_t first = 0; first < n; first += FLOAT_ROWS) {
+		const size_t end = n - first < FLOAT_ROWS ? n : first + FLOAT_ROWS;
+		float s = 0;
 #pragma omp simd reduction(+ : s)
-	for (size_t i = 0; i < n; i++) s += a[i] * x[i];
-	*sum += (double)s;
+		for (size_t i = first; i < end; i++) s += a[i] * x[i];
+		*sum += (double)s;
+	}
 }
 
 /* Four columns of A with four columns of x. */

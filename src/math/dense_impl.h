@@ -3,18 +3,10 @@
 #ifndef OPTLA_DENSE_IMPL_H
 #define OPTLA_DENSE_IMPL_H
 
+#include "math/clones.h"
+
 #include <stdbool.h>
 #include <stddef.h>
-#include <stdint.h> /* __GLIBC__ too */
-
-/* One version of a hot loop for each generation of x86, chosen when the program starts. Only the order of SIMD sums depends on
-   it. Other compilers and processors build the plain version. */
-#if defined(__x86_64__) && defined(__linux__) && defined(__GLIBC__) && defined(__GNUC__) && !defined(__clang__) && \
-    !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-#define OPTLA_CLONES __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
-#else
-#define OPTLA_CLONES
-#endif
 
 /* Views of a tile: rows x cols of A, nrhs columns of x (cols rows forward, rows rows transposed). Leading dimensions in scalars. */
 typedef struct {

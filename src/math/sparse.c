@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Sparse matrices in compressed rows: copy, transpose (counting sort), product. */
 #include "math/sparse.h"
+#include "math/clones.h"
 
 #include <string.h>
 
@@ -55,31 +56,28 @@ optla_status optla_csr_transpose_(optla_ctx *ctx, const optla_csr *a, optla_csr 
 	return OPTLA_OK;
 }
 
-/* Four sums side by side: a single one would wait for each addition. */
-static double row_f32(const optla_csr *a, size_t i, const float *x)
+OPTLA_CLONES static void rows_f32(const optla_csr *a, size_t first, size_t end, const float *restrict x, float *restrict y)
 {
-	const float *v = a->values;
-	const uint32_t *c = a->column;
-	double s[4] = {0};
-	uint64_t k = a->row_start[i];
-	const uint64_t end = a->row_start[i + 1];
-	for (; k + 4 <= end; k += 4)
-		for (size_t p = 0; p < 4; p++) s[p] += (double)v[k + p] * (double)x[c[k + p]];
-	for (; k < end; k++) s[0] += (double)v[k] * (double)x[c[k]];
-	return (s[0] + s[1]) + (s[2] + s[3]);
+	const float *restrict v = a->values;
+	const uint32_t *restrict c = a->column;
+	for (size_t i = first; i < end; i++) {
+		double s = 0;
+#pragma omp simd reduction(+ : s)
+		for (uint64_t k = a->row_start[i]; k < a->row_start[i + 1]; k++) s += (double)v[k] * (double)x[c[k]];
+		y[i] = (float)s;
+	}
 }
 
-static double row_f64(const optla_csr *a, size_t i, const double *x)
+OPTLA_CLONES static void rows_f64(const optla_csr *a, size_t first, size_t end, const double *restrict x, double *restrict y)
 {
-	const double *v = a->values;
-	const uint32_t *c = a->column;
-	double s[4] = {0};
-	uint64_t k = a->row_start[i];
-	const uint64_t end = a->row_start[i + 1];
-	for (; k + 4 <= end; k += 4)
-		for (size_t p = 0; p < 4; p++) s[p] += v[k + p] * x[c[k + p]];
-	for (; k < end; k++) s[0] += v[k] * x[c[k]];
-	return (s[0] + s[1]) + (s[2] + s[3]);
+	const double *restrict v = a->values;
+	const uint32_t *restrict c = a->column;
+	for (size_t i = first; i < end; i++) {
+		double s = 0;
+#pragma omp simd reduction(+ : s)
+		for (uint64_t k = a->row_start[i]; k < a->row_start[i + 1]; k++) s += v[k] * x[c[k]];
+		y[i] = s;
+	}
 }
 
 static void row_c32(const optla_csr *a, size_t i, const float *x, float *y)
@@ -107,13 +105,17 @@ static void row_c64(const optla_csr *a, size_t i, const double *x, double *y)
 	y[0] = re, y[1] = im;
 }
 
-static void apply_row(const optla_csr *a, size_t i, const void *x, void *y)
+static void apply_rows(const optla_csr *a, size_t first, size_t end, const void *x, void *y)
 {
 	switch (a->type) {
-	case OPTLA_F32: ((float *)y)[i] = (float)row_f32(a, i, x); break;
-	case OPTLA_F64: ((double *)y)[i] = row_f64(a, i, x); break;
-	case OPTLA_C32: row_c32(a, i, x, (float *)y + 2 * i); break;
-	case OPTLA_C64: row_c64(a, i, x, (double *)y + 2 * i); break;
+	case OPTLA_F32: rows_f32(a, first, end, x, y); break;
+	case OPTLA_F64: rows_f64(a, first, end, x, y); break;
+	case OPTLA_C32:
+		for (size_t i = first; i < end; i++) row_c32(a, i, x, (float *)y + 2 * i);
+		break;
+	case OPTLA_C64:
+		for (size_t i = first; i < end; i++) row_c64(a, i, x, (double *)y + 2 * i);
+		break;
 	}
 }
 
@@ -124,6 +126,6 @@ void optla_csr_apply_(optla_ctx *ctx, const optla_csr *a, optla_cblock x, optla_
 #pragma omp parallel for num_threads(optla_ctx_threads(ctx)) schedule(dynamic)
 	for (size_t c = 0; c < nchunks; c++)
 		for (size_t r = 0; r < x.ncols; r++)
-			for (size_t i = c * CHUNK; i < optla_min_(a->nrows, (c + 1) * CHUNK); i++)
-				apply_row(a, i, (const char *)x.data + r * x.ld * bytes, (char *)y.data + r * y.ld * bytes);
+			apply_rows(a, c * CHUNK, optla_min_(a->nrows, (c + 1) * CHUNK), (const char *)x.data + r * x.ld * bytes,
+			           (char *)y.data + r * y.ld * bytes);
 }
