@@ -78,7 +78,7 @@ static optla_status make(optla_ctx *ctx, const char *path, optla_h5 **out)
 	*out = optla_calloc_(ctx, 1, sizeof **out);
 	if (!*out) return OPTLA_ERR_NOMEM;
 	(*out)->ctx = ctx;
-	(*out)->file = H5I_INVALID_HID;
+	(*out)->file = (*out)->driver = H5I_INVALID_HID;
 	(*out)->path = optla_strdup_(ctx, path);
 	if ((*out)->path) return OPTLA_OK;
 	destroy(out);
@@ -104,7 +104,8 @@ static optla_status create_file(optla_h5 *f)
 	const hid_t access = access_list(), create = H5Pcreate(H5P_FILE_CREATE);
 	/* No times in the file: the same contents give the same bytes. */
 	const optla_h5_driver_info info = {.error = &f->write_error};
-	if (access >= 0 && create >= 0 && optla_h5_set_driver_(access, &info) && H5Pset_obj_track_times(create, false) >= 0)
+	if (access >= 0) f->driver = optla_h5_set_driver_(access, &info);
+	if (f->driver >= 0 && create >= 0 && H5Pset_obj_track_times(create, false) >= 0)
 		f->file = H5Fcreate(f->temporary, H5F_ACC_TRUNC, create, access);
 	const optla_status status = f->file >= 0 ? OPTLA_OK : optla_h5_fail_(f, NULL, "can't be written");
 	if (create >= 0) H5Pclose(create);
@@ -148,6 +149,7 @@ optla_status optla_h5_finish_(optla_h5 **file, bool commit)
 		const bool closed = H5Fclose(f->file) >= 0;
 		if (commit && (!closed || f->write_error)) status = optla_h5_fail_(f, NULL, "can't be written");
 	}
+	if (f->driver >= 0) H5FDunregister(f->driver);
 	optla_h5_leave_(&guard);
 	const optla_status finish = optla_temporary_finish_(f->ctx, f->path, &f->temporary, commit && OPTLA_OK == status);
 	destroy(file);
@@ -161,8 +163,8 @@ static optla_status open_file(optla_h5 *f, const void *bytes, size_t count)
 	optla_h5_enter_(f, &guard);
 	const hid_t access = access_list();
 	const optla_h5_driver_info info = {bytes, count, &f->write_error};
-	const bool ready = access >= 0 && (!bytes || optla_h5_set_driver_(access, &info));
-	if (ready) f->file = H5Fopen(f->path, H5F_ACC_RDONLY, access);
+	if (access >= 0 && bytes) f->driver = optla_h5_set_driver_(access, &info);
+	if (access >= 0 && (!bytes || f->driver >= 0)) f->file = H5Fopen(f->path, H5F_ACC_RDONLY, access);
 	const optla_status status = f->file >= 0 ? OPTLA_OK : optla_h5_fail_(f, NULL, "is not an HDF5 file, or a damaged one");
 	if (access >= 0) H5Pclose(access);
 	optla_h5_leave_(&guard);

@@ -144,11 +144,10 @@ static const H5FD_class_t driver_class = {.name = "optla",
                                           .truncate = driver_truncate,
                                           .fl_map = H5FD_FLMAP_DICHOTOMY};
 
-bool optla_h5_set_driver_(hid_t access, const optla_h5_driver_info *info)
+hid_t optla_h5_set_driver_(hid_t access, const optla_h5_driver_info *info)
 {
 	const hid_t driver = H5FDregister(&driver_class);
-	if (driver < 0) return false;
-	const bool done = H5Pset_driver(access, driver, info) >= 0;
-	H5FDunregister(driver); /* the property list and the file hold it as long as they need it */
-	return done;
+	if (driver >= 0 && H5Pset_driver(access, driver, info) >= 0) return driver;
+	if (driver >= 0) H5FDunregister(driver);
+	return H5I_INVALID_HID;
 }

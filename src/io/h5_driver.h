@@ -14,7 +14,9 @@ typedef struct {
 	int *error; /* the first errno, 0 if all went well; outlives the file */
 } optla_h5_driver_info;
 
-/* Under the guard of h5_impl.h. */
-bool optla_h5_set_driver_(hid_t access, const optla_h5_driver_info *info);
+/* Under the guard of h5_impl.h. Registers the driver for one file; negative on failure. To be given to H5FDunregister() once that file is
+   closed and not before: closing drops the file's own hold on the driver first and calls it then (H5FD_close of 1.10.8), so the
+   caller must hold it too. */
+hid_t optla_h5_set_driver_(hid_t access, const optla_h5_driver_info *info);
 
 #endif

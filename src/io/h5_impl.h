@@ -19,8 +19,8 @@ typedef struct {
 
 struct optla_h5 {
 	optla_ctx *ctx;
-	char *path, *temporary; /* temporary: NULL when reading */
-	hid_t file;
+	char *path, *temporary;   /* temporary: NULL when reading */
+	hid_t file, driver;       /* driver: of this file alone, negative: HDF5's own */
 	int write_error;          /* errno of the first write that failed: see h5_driver.c */
 	optla_h5_failure failure; /* the first one since the guard was taken */
 };
