@@ -16,6 +16,8 @@ quick) set -- --no-suite slow "$@" ;;
 all) ;;
 *) echo "run_tests.sh: '$what' is not quick or all" >&2; exit 2 ;;
 esac
+# Several tests run at once and share the processors: threads that wait must not spin.
+export OMP_WAIT_POLICY="${OMP_WAIT_POLICY-passive}"
 log=$build/meson-logs/testlog.json
 rm -f "$log"
 meson test -C "$build" --no-rebuild --print-errorlogs "$@"
