@@ -5,11 +5,15 @@
 enum { M = 503, N = 77, BLOCK = 9, CASES = OP_KINDS * 4 };
 
 /* Rounding: sums of up to 503 products, whose errors are independent: sqrt(503) eps = 1.4e-6 (float), 2.5e-15 (double) of the largest
-   entry at most. The offset split subtracts c y(1), about sqrt(77) times T p, from a photo about as large: another factor of 10 to 30. */
+   entry at most. Splitting subtracts photos of light from each other that are larger than T p by about sqrt(503) = 22. */
+static double splitting(const op_kind *kind)
+{
+	return kind->make == make_signed || kind->make == make_offset || kind->make == make_auto ? 30 : 1;
+}
+
 static double tolerance(const op_kind *kind, optla_scalar type)
 {
-	const bool offset = kind->make == make_offset || kind->make == make_auto;
-	return (kind_is_single(type) ? 1.4e-6 : 2.5e-15) * (offset ? 30 : 1);
+	return (kind_is_single(type) ? 1.4e-6 : 2.5e-15) * splitting(kind);
 }
 
 static optla_op *make(int i, optla_ctx *ctx, const op_kind **kind, optla_block *t)
@@ -60,8 +64,7 @@ START_TEST(adjoint_and_linearity_hold)
 		ok(optla_op_check_adjoint(op, seed, &rel));
 		ck_assert_msg(rel >= 0 && rel < allowed, "%s, type %d: adjoint off by %.3g", kind->name, _i % 4, rel);
 		ok(optla_op_check_linear(op, seed, &rel));
-		const double offset = kind->make == make_offset || kind->make == make_auto ? 30 : 1; /* see tolerance() */
-		ck_assert_msg(rel >= 0 && rel < allowed * offset, "%s, type %d: linearity off by %.3g", kind->name, _i % 4, rel);
+		ck_assert_msg(rel >= 0 && rel < allowed * splitting(kind), "%s, type %d: linearity off by %.3g", kind->name, _i % 4, rel);
 	}
 	optla_op_unref(&op);
 	free(t.data);

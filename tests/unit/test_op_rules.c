@@ -56,7 +56,11 @@ START_TEST(bad_numbers_are_found)
 		static const size_t rows[] = {0, 17, 39};
 		for (size_t k = 0; k < 3; k++) {
 			const double complex was = block_get(optla_block_const(x), rows[k], 2);
-			block_put(x, rows[k], 2, kind_is_complex((optla_scalar)type) ? CMPLX(1, NAN) : INFINITY);
+			const union {
+				double parts[2];
+				double complex number;
+			} bad = {{1, NAN}};
+			block_put(x, rows[k], 2, kind_is_complex((optla_scalar)type) ? bad.number : INFINITY);
 			status_is(optla_op_apply(op, OPTLA_FORWARD, optla_block_const(x), y), OPTLA_ERR_ARG);
 			char want[80];
 			snprintf(want, sizeof want, "at row %zu, column 2; all numbers must be finite", rows[k]);
