@@ -6,6 +6,9 @@
 #include <setjmp.h>
 #include <string.h>
 
+/* Of unpacked texts and profiles. */
+enum { MAX_CHUNK_BYTES = 16 << 20 };
+
 /* All that libpng's longjmp may leave behind stands here and not in locals. */
 typedef struct {
 	const optla_source *source;
@@ -95,12 +98,29 @@ static optla_status read_rows(png_reader *r)
 	return OPTLA_OK;
 }
 
+/* libpng takes memory for a chunk before it reads it, up to 2 GiB: so no chunk may be longer than what is left of the file. */
+static optla_status check_chunks(const optla_source *s)
+{
+	enum { SIGNATURE = 8, LENGTH_NAME_CRC = 12 };
+	size_t at = SIGNATURE;
+	while (at < s->count && s->count - at >= LENGTH_NAME_CRC) {
+		const uint8_t *p = s->data + at;
+		const size_t length = (size_t)p[0] << 24 | (size_t)p[1] << 16 | (size_t)p[2] << 8 | p[3],
+		             left = s->count - at - LENGTH_NAME_CRC;
+		OPTLA_CHECK(s->ctx, length <= left, OPTLA_ERR_INPUT, "%s: PNG: a chunk of %zu bytes, of which %zu are there", s->name,
+		            length, left);
+		at += LENGTH_NAME_CRC + length;
+	}
+	return OPTLA_OK;
+}
+
 static optla_status read_all(png_reader *r)
 {
 	if (setjmp(png_jmpbuf(r->png))) return OPTLA_ERR_INPUT; /* on_read_error has told */
 	png_set_read_fn(r->png, r, on_read);
 	png_set_crc_action(r->png, PNG_CRC_ERROR_QUIT, PNG_CRC_ERROR_QUIT);
 	png_set_user_limits(r->png, PNG_UINT_31_MAX, PNG_UINT_31_MAX); /* the context's limit is checked instead */
+	png_set_chunk_malloc_max(r->png, MAX_CHUNK_BYTES);
 	OPTLA_TRY(read_header(r));
 	return read_rows(r);
 }
@@ -108,6 +128,7 @@ static optla_status read_all(png_reader *r)
 optla_status optla_png_decode_(const optla_source *source, optla_image **out)
 {
 	*out = NULL;
+	OPTLA_TRY(check_chunks(source));
 	png_reader r = {.source = source};
 	r.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &r, on_read_error, on_read_warning);
 	r.info = r.png ? png_create_info_struct(r.png) : NULL;
