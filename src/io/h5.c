@@ -156,6 +156,29 @@ optla_status optla_h5_finish_(optla_h5 **file, bool commit)
 	return OPTLA_OK != status ? status : finish;
 }
 
+enum { HEAD_BYTES = 96 };
+
+/* Superblocks of versions 0 and 1 may name a block of driver information, whose claimed length HDF5 1.10 takes from memory without a
+   look at the file's own. Files that have one are parts of split files, which we don't read. */
+static optla_status check_superblock(const optla_h5 *f, const unsigned char *head, size_t count)
+{
+	if (count < HEAD_BYTES || memcmp(head, "\x89HDF\r\n\x1a\n", 8) || head[8] > 1) return OPTLA_OK; /* HDF5's to judge */
+	const size_t address = head[13], at = (0 == head[8] ? 24 : 28) + 3 * address;
+	for (size_t k = 0; k < address && at + k < HEAD_BYTES; k++)
+		OPTLA_CHECK(f->ctx, 0xff == head[at + k], OPTLA_ERR_INPUT, "%s: is one of the files of a split HDF5 file, or damaged",
+		            f->path);
+	return OPTLA_OK;
+}
+
+static optla_status check_superblock_of_file(const optla_h5 *f)
+{
+	unsigned char head[HEAD_BYTES];
+	FILE *file = fopen(f->path, "rb");
+	const size_t count = file ? fread(head, 1, sizeof head, file) : 0;
+	if (file) fclose(file);
+	return check_superblock(f, head, count);
+}
+
 /* bytes NULL: the file at f->path; else the contents of one in memory, borrowed. */
 static optla_status open_file(optla_h5 *f, const void *bytes, size_t count)
 {
@@ -188,7 +211,8 @@ optla_status optla_h5_open_(optla_ctx *ctx, const char *path, const char *kind, 
 	OPTLA_TRY(optla_check_readable_(ctx, path));
 	optla_h5 *f;
 	OPTLA_TRY(make(ctx, path, &f));
-	optla_status status = open_file(f, NULL, 0);
+	optla_status status = check_superblock_of_file(f);
+	if (OPTLA_OK == status) status = open_file(f, NULL, 0);
 	if (OPTLA_OK == status && kind) status = check_kind(f, kind);
 	if (OPTLA_OK == status)
 		optla_note_input_(ctx, path);
@@ -204,7 +228,8 @@ optla_status optla_h5_open_bytes_(optla_ctx *ctx, const void *bytes, size_t coun
 	OPTLA_CHECK(ctx, count, OPTLA_ERR_INPUT, "%s: is empty", name);
 	optla_h5 *f;
 	OPTLA_TRY(make(ctx, name, &f));
-	const optla_status status = open_file(f, bytes, count);
+	optla_status status = check_superblock(f, bytes, count);
+	if (OPTLA_OK == status) status = open_file(f, bytes, count);
 	if (OPTLA_OK != status) optla_h5_close_(&f);
 	*out = f;
 	return status;

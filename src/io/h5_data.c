@@ -108,42 +108,64 @@ static void close_dataset(open_dataset *d)
 	if (d->dataset >= 0) H5Dclose(d->dataset);
 }
 
-/* A compound of two floats is complex when one name starts with r and the other with i (r/i of h5py, re/im, real/imag). */
+static bool equals_one_of(hid_t type, const hid_t *known, size_t count)
+{
+	for (size_t k = 0; k < count; k++)
+		if (H5Tequal(type, known[k]) > 0) return true;
+	return false;
+}
+
+/* Only whole words of the usual formats: HDF5's conversions of others (floats of any layout, integers of any bits, members that overlap)
+   trust the file too much. Half precision has no name in HDF5 1.10, so its fields are compared. */
+static bool is_plain_float(hid_t type)
+{
+	const hid_t known[] = {H5T_IEEE_F32LE, H5T_IEEE_F32BE, H5T_IEEE_F64LE, H5T_IEEE_F64BE, H5T_NATIVE_LDOUBLE};
+	if (H5T_FLOAT != H5Tget_class(type)) return false;
+	if (equals_one_of(type, known, sizeof known / sizeof *known)) return true;
+	size_t sign, exponent, exponent_bits, mantissa, mantissa_bits;
+	return H5Tget_size(type) == 2 && H5Tget_precision(type) == 16 && H5Tget_offset(type) == 0 && H5Tget_ebias(type) == 15 &&
+	       H5Tget_norm(type) == H5T_NORM_IMPLIED &&
+	       H5Tget_fields(type, &sign, &exponent, &exponent_bits, &mantissa, &mantissa_bits) >= 0 && 15 == sign &&
+	       10 == exponent && 5 == exponent_bits && 0 == mantissa && 10 == mantissa_bits;
+}
+
+static bool is_plain_integer(hid_t type)
+{
+	const hid_t known[] = {H5T_STD_I8LE,  H5T_STD_I16LE, H5T_STD_I32LE, H5T_STD_I64LE, H5T_STD_U8LE,  H5T_STD_U16LE,
+	                       H5T_STD_U32LE, H5T_STD_U64LE, H5T_STD_I8BE,  H5T_STD_I16BE, H5T_STD_I32BE, H5T_STD_I64BE,
+	                       H5T_STD_U8BE,  H5T_STD_U16BE, H5T_STD_U32BE, H5T_STD_U64BE};
+	return H5T_INTEGER == H5Tget_class(type) && equals_one_of(type, known, sizeof known / sizeof *known);
+}
+
+/* A compound of two equal floats side by side is complex when one name starts with r and the other with i (r/i of h5py, re/im,
+   real/imag). */
 static bool find_parts(open_dataset *d)
 {
 	if (H5Tget_nmembers(d->type) != 2) return false;
+	const size_t size = H5Tget_size(d->type);
 	for (unsigned k = 0; k < 2; k++) {
 		const hid_t part = H5Tget_member_type(d->type, k);
-		const bool is_float = part >= 0 && H5T_FLOAT == H5Tget_class(part);
-		if (is_float && H5Tget_size(part) > sizeof(float)) d->natural = OPTLA_C64;
+		const bool fits = part >= 0 && is_plain_float(part) && 2 * H5Tget_size(part) == size &&
+		                  H5Tget_member_offset(d->type, k) == k * (size / 2);
 		if (part >= 0) H5Tclose(part);
-		char *name = is_float ? H5Tget_member_name(d->type, k) : NULL;
+		char *name = fits ? H5Tget_member_name(d->type, k) : NULL;
 		if (!name) return false;
 		char *copy = 'r' == tolower((unsigned char)*name) ? d->re : 'i' == tolower((unsigned char)*name) ? d->im : NULL;
 		const size_t n = strlen(name);
 		if (copy && n < sizeof d->re) memcpy(copy, name, n + 1);
 		H5free_memory(name);
 	}
+	d->natural = size > 2 * sizeof(float) ? OPTLA_C64 : OPTLA_C32;
 	return *d->re && *d->im;
 }
 
 static optla_status understand_type(const optla_h5 *file, const char *name, open_dataset *d)
 {
-	switch (H5Tget_class(d->type)) {
-	case H5T_INTEGER: d->natural = OPTLA_F64; return OPTLA_OK;
-	case H5T_FLOAT: d->natural = H5Tget_size(d->type) <= sizeof(float) ? OPTLA_F32 : OPTLA_F64; return OPTLA_OK;
-	case H5T_ENUM:
-		d->natural = OPTLA_F64;
-		d->boolean = 1 == H5Tget_size(d->type);
-		if (d->boolean) return OPTLA_OK;
-		break;
-	case H5T_COMPOUND:
-		d->natural = OPTLA_C32;
-		d->complex = find_parts(d);
-		if (d->complex) return OPTLA_OK;
-		break;
-	default: break;
-	}
+	const H5T_class_t class = H5Tget_class(d->type);
+	d->natural = H5T_FLOAT == class && H5Tget_size(d->type) <= sizeof(float) ? OPTLA_F32 : OPTLA_F64;
+	if (H5T_COMPOUND == class) d->complex = find_parts(d);
+	if (H5T_ENUM == class) d->boolean = 1 == H5Tget_size(d->type);
+	if (d->complex || d->boolean || is_plain_float(d->type) || is_plain_integer(d->type)) return OPTLA_OK;
 	return OPTLA_FAIL(file->ctx, OPTLA_ERR_INPUT,
 	                  "%s: '%s' holds neither integers, floats, booleans nor complex numbers (a compound of two floats r and i)",
 	                  file->path, name);
