@@ -81,7 +81,7 @@ static ssize_t read_all(int fd, char *bytes, size_t size)
 	return (ssize_t)done;
 }
 
-optla_status optla_read_file_(optla_ctx *ctx, const char *path, void **bytes, size_t *count)
+optla_status optla_read_output_(optla_ctx *ctx, const char *path, void **bytes, size_t *count)
 {
 	*bytes = NULL;
 	*count = 0;
@@ -106,7 +106,13 @@ optla_status optla_read_file_(optla_ctx *ctx, const char *path, void **bytes, si
 	data[n] = 0;
 	*bytes = data;
 	*count = (size_t)n;
-	optla_note_input_bytes_(ctx, path, data, *count);
+	return OPTLA_OK;
+}
+
+optla_status optla_read_file_(optla_ctx *ctx, const char *path, void **bytes, size_t *count)
+{
+	OPTLA_TRY(optla_read_output_(ctx, path, bytes, count));
+	optla_note_input_bytes_(ctx, path, *bytes, *count);
 	return OPTLA_OK;
 }
 

@@ -9,6 +9,8 @@
    directory, pipe or device, OPTLA_ERR_NOMEM over the memory limit, OPTLA_ERR_IO when it can't be read. Notes the file as an
    input. */
 optla_status optla_read_file_(optla_ctx *ctx, const char *path, void **bytes, size_t *count);
+/* The same without noting it: for our own outputs that are read to be written anew (pages). */
+optla_status optla_read_output_(optla_ctx *ctx, const char *path, void **bytes, size_t *count);
 /* The errors of optla_read_file_ without reading, for libraries that open the file themselves. */
 optla_status optla_check_readable_(optla_ctx *ctx, const char *path);
 /* Whole or not at all; OPTLA_ERR_IO names the path and the reason (disk full, permission). What stands at path must be a regular
