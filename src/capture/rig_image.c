@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Rows of T as pictures and back; lights as a picture. */
+#include "capture/light_spec.h"
 #include "capture/rig_impl.h"
 
 optla_status optla_rig_image(const optla_rig *rig, const double *values, size_t channels, optla_image **out)
@@ -55,4 +56,13 @@ optla_status optla_rig_light_image(const optla_rig *rig, const double *values, o
 	OPTLA_TRY(optla_image_create(rig->ctx, info->light_width, info->light_height, 1, OPTLA_IMAGE_LINEAR, out));
 	for (size_t n = 0; n < info->nlights; n++) (*out)->data[n] = (float)values[n];
 	return OPTLA_OK;
+}
+
+optla_status optla_rig_light_vector(optla_rig *rig, const char *spec, size_t channels, double *p)
+{
+	const optla_light_layout lights = {.nlights = rig->info.nlights,
+	                                   .grid_width = rig->info.light_width,
+	                                   .grid_height = rig->info.light_height,
+	                                   .direction = rig->light_direction};
+	return optla_light_spec_(rig->ctx, &lights, spec, channels, p);
 }
