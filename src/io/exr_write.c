@@ -43,8 +43,8 @@ static optla_status told(const exr_writer *w, exr_result_t result)
 {
 	if (EXR_ERR_SUCCESS == result) return OPTLA_OK;
 	if (w->file->failed) return OPTLA_ERR_NOMEM; /* told already */
-	return OPTLA_FAIL(w->image->ctx, EXR_ERR_OUT_OF_MEMORY == result ? OPTLA_ERR_NOMEM : OPTLA_ERR_IO, "OpenEXR: %s",
-	                  exr_get_default_error_message(result));
+	return OPTLA_FAIL(w->image->ctx, EXR_ERR_OUT_OF_MEMORY == result ? OPTLA_ERR_NOMEM : OPTLA_ERR_IO, "%s: OpenEXR: %s",
+	                  w->file->name, exr_get_default_error_message(result));
 }
 
 /* The library wants the channels in the order of the alphabet and gives them back so. */
@@ -110,7 +110,7 @@ optla_status optla_exr_encode_(const optla_image *image, const char *provenance,
 {
 	/* Strides are 32-bit numbers in the library. */
 	OPTLA_CHECK(image->ctx, image->width <= INT32_MAX / (4 * sizeof(float)) && image->height <= INT32_MAX, OPTLA_ERR_ARG,
-	            "%zu x %zu pixels are too many for OpenEXR", image->width, image->height);
+	            "%s: %zu x %zu pixels are too many for OpenEXR", file->name, image->width, image->height);
 	exr_writer w = {.image = image, .file = file};
 	optla_status status = write_all(&w, provenance);
 	if (w.pipeline.context) exr_encoding_destroy(w.exr, &w.pipeline);

@@ -19,7 +19,7 @@ typedef struct {
 static size_t peek(const peeked *p, uint64_t offset, void *to, size_t count)
 {
 	if (!p->data) {
-		if (offset > INT32_MAX || fseek(p->file, (long)offset, SEEK_SET)) return 0;
+		if (offset > INT64_MAX || fseeko(p->file, (off_t)offset, SEEK_SET)) return 0;
 		return fread(to, 1, count, p->file);
 	}
 	if (offset >= p->count) return 0;

@@ -95,7 +95,8 @@ void optla_samples_from_integers_(optla_image *image, const void *row, bool wide
 		for (size_t k = channels - 1; k < n; k += channels) to[k] /= largest;
 }
 
-optla_status optla_quantise_row_(const optla_image *image, size_t y, unsigned largest, const char *format, uint16_t *row)
+optla_status optla_quantise_row_(const optla_image *image, size_t y, unsigned largest, const optla_memory_file *file,
+                                 uint16_t *row)
 {
 	const size_t channels = image->channels, n = image->width * channels;
 	const float *from = image->data + y * n;
@@ -106,8 +107,8 @@ optla_status optla_quantise_row_(const optla_image *image, size_t y, unsigned la
 			value = largest * (isnan(value) ? value : optla_clamp_(value, 0, 1));
 		value = nearbyint(value);
 		OPTLA_CHECK(image->ctx, value >= 0 && value <= largest, OPTLA_ERR_ARG,
-		            "sample (%zu, %zu, %zu) is %g, which %s can't hold as an integer of 0 to %u; .exr can", k / channels, y,
-		            k % channels, (double)from[k], format, largest);
+		            "%s: sample (%zu, %zu, %zu) is %g, which this format can't hold as an integer of 0 to %u; .exr can",
+		            file->name, k / channels, y, k % channels, (double)from[k], largest);
 		row[k] = (uint16_t)value;
 	}
 	return OPTLA_OK;

@@ -18,6 +18,7 @@ typedef struct {
 /* A file in memory that libraries read and write through callbacks: a position, and for writing a buffer that grows. */
 typedef struct {
 	optla_ctx *ctx;
+	const char *name; /* of the file to be, for messages */
 	uint8_t *data;
 	size_t count, capacity, at;
 	bool failed; /* memory ran out; reported */
@@ -52,7 +53,8 @@ optla_status optla_image_start_(const optla_source *source, uint64_t width, uint
 void optla_samples_from_integers_(optla_image *image, const void *row, bool wide, size_t y);
 /* Row y rounded to integers 0..largest; those that are 0..1 in the image are clamped first. A sample that doesn't fit, or is NaN, is
    OPTLA_ERR_ARG with its place and value. */
-optla_status optla_quantise_row_(const optla_image *image, size_t y, unsigned largest, const char *format, uint16_t *row);
+optla_status optla_quantise_row_(const optla_image *image, size_t y, unsigned largest, const optla_memory_file *file,
+                                 uint16_t *row);
 
 /* ---- formats: decode reads source, encode fills file (which the caller frees, also after failure) ---- */
 

@@ -131,7 +131,7 @@ static optla_status encode(const optla_image *image, optla_file_type type, const
 	case OPTLA_FILE_PFM: return optla_pfm_encode_(image, file);
 	case OPTLA_FILE_TIFF: return optla_tiff_encode_(image, provenance, file);
 	case OPTLA_FILE_NPY: return optla_npy_image_encode_(image, file);
-	default: return OPTLA_FAIL(image->ctx, OPTLA_ERR_UNSUPPORTED, "no writer for this format");
+	default: return OPTLA_FAIL(image->ctx, OPTLA_ERR_UNSUPPORTED, "%s: no writer for this format", file->name);
 	}
 }
 
@@ -141,7 +141,7 @@ optla_status optla_image_save(const optla_image *image, const char *path)
 	const optla_file_type type = type_by_ending(path);
 	OPTLA_CHECK(ctx, OPTLA_FILE_UNKNOWN != type, OPTLA_ERR_ARG,
 	            "%s: the ending says no image format; .png, .tif, .exr, .pfm and .npy can be written", path);
-	optla_memory_file file = {.ctx = ctx};
+	optla_memory_file file = {.ctx = ctx, .name = path};
 	char *provenance = NULL;
 	OPTLA_TRY(optla_ctx_provenance(ctx, &provenance));
 	optla_status status = encode(image, type, provenance, &file);

@@ -81,7 +81,7 @@ static optla_status write_integers(const optla_image *image, uint16_t *row, optl
 	const bool display = OPTLA_IMAGE_DISPLAY == image->kind;
 	for (size_t y = 0; y < image->height; y++) {
 		uint8_t *bytes = (uint8_t *)row;
-		OPTLA_TRY(optla_quantise_row_(image, y, display ? 255 : 65535, "NPY", row));
+		OPTLA_TRY(optla_quantise_row_(image, y, display ? 255 : 65535, file, row));
 		for (size_t k = 0; display && k < n; k++)
 			bytes[k] = (uint8_t)row[k]; /* byte k is never behind what is still to be read */
 		if (!optla_memory_file_write_(file, row, n * (display ? 1 : 2))) return OPTLA_ERR_NOMEM;

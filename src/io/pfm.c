@@ -92,9 +92,9 @@ optla_status optla_pfm_decode_(const optla_source *s, optla_image **out)
 optla_status optla_pfm_encode_(const optla_image *image, optla_memory_file *file)
 {
 	OPTLA_CHECK(image->ctx, 1 == image->channels || 3 == image->channels, OPTLA_ERR_ARG,
-	            "PFM holds 1 or 3 channels, not %zu: write .exr", image->channels);
+	            "%s: PFM holds 1 or 3 channels, not %zu: write .exr", file->name, image->channels);
 	OPTLA_CHECK(image->ctx, OPTLA_IMAGE_LINEAR == image->kind, OPTLA_ERR_ARG,
-	            "PFM has no room to say that an image is of kind %s: write .exr, or .png or .tif",
+	            "%s: PFM has no room to say that an image is of kind %s: write .exr, .png or .tif", file->name,
 	            optla_image_kind_name(image->kind));
 	char header[96];
 	snprintf(header, sizeof header, "%s\n%zu %zu\n%s\n", 3 == image->channels ? "PF" : "Pf", image->width, image->height,

@@ -163,14 +163,14 @@ static void on_flush(png_structp png) { (void)png; }
 static void on_write_error(png_structp png, png_const_charp message)
 {
 	const png_writer *w = png_get_error_ptr(png);
-	OPTLA_FAIL(w->image->ctx, OPTLA_ERR_IO, "PNG: %s", message);
+	OPTLA_FAIL(w->image->ctx, OPTLA_ERR_IO, "%s: PNG: %s", w->file->name, message);
 	png_longjmp(png, 1);
 }
 
 static void on_write_warning(png_structp png, png_const_charp message)
 {
 	const png_writer *w = png_get_error_ptr(png);
-	optla_log_(w->image->ctx, 1, "PNG: %s", message);
+	optla_log_(w->image->ctx, 1, "%s: PNG: %s", w->file->name, message);
 }
 
 static void write_header(png_writer *w)
@@ -203,7 +203,7 @@ static optla_status write_all(png_writer *w)
 	write_header(w);
 	for (size_t y = 0; y < image->height; y++) {
 		uint8_t *bytes = (uint8_t *)w->row;
-		OPTLA_TRY(optla_quantise_row_(image, y, raw ? 65535 : 255, "PNG", w->row));
+		OPTLA_TRY(optla_quantise_row_(image, y, raw ? 65535 : 255, w->file, w->row));
 		for (size_t k = 0; k < n; k++) {
 			const uint16_t v = w->row[k]; /* byte k, or bytes 2k and 2k+1, never lie behind what is still to be read */
 			if (raw) {
@@ -223,10 +223,11 @@ optla_status optla_png_encode_(const optla_image *image, const char *provenance,
 {
 	optla_ctx *ctx = image->ctx;
 	OPTLA_CHECK(ctx, OPTLA_IMAGE_LINEAR != image->kind, OPTLA_ERR_ARG,
-	            "a linear image can't be written as PNG, which holds counts or display values: convert it with "
-	            "optla_image_to_display(), or write .exr");
+	            "%s: a linear image can't be written as PNG, which holds counts or display values: convert it with "
+	            "optla_image_to_display(), or write .exr",
+	            file->name);
 	OPTLA_CHECK(ctx, image->width <= PNG_UINT_31_MAX && image->height <= PNG_UINT_31_MAX, OPTLA_ERR_ARG,
-	            "%zu x %zu pixels are too many for PNG", image->width, image->height);
+	            "%s: %zu x %zu pixels are too many for PNG", file->name, image->width, image->height);
 	png_writer w = {.image = image, .file = file, .provenance = provenance};
 	w.row = optla_array_(ctx, image->width * image->channels, sizeof *w.row);
 	if (!w.row) return OPTLA_ERR_NOMEM;

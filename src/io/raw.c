@@ -16,6 +16,7 @@ enum { PERIOD = 48 }; /* a whole number of repeats of every filter pattern that 
 typedef struct {
 	const optla_source *source;
 	libraw_data_t *raw;
+	bool not_raw; /* a TIFF after all */
 	bool damaged; /* LibRaw met the end of the file, or codes that can't be, and went on */
 	size_t width, height;
 	uint8_t channel[PERIOD][PERIOD]; /* of the filter on a pixel */
@@ -153,7 +154,10 @@ static optla_status read_all(raw_reader *r)
 	r->raw->params.max_raw_memory_mb = (unsigned)optla_max_(1, optla_min_(limit_mb, 1u << 20));
 	r->damaged = !optla_dng_is_whole_(s->data, s->count);
 	OPTLA_TRY(told(r, LIBRAW_SUCCESS));
-	OPTLA_TRY(told(r, libraw_open_buffer(r->raw, (void *)(uintptr_t)s->data, s->count)));
+	const int opened = libraw_open_buffer(r->raw, (void *)(uintptr_t)s->data, s->count);
+	r->not_raw = LIBRAW_FILE_UNSUPPORTED == opened && !r->damaged && s->data[0] == s->data[1];
+	if (r->not_raw) return OPTLA_ERR_UNSUPPORTED;
+	OPTLA_TRY(told(r, opened));
 	OPTLA_TRY(check_sizes(r));
 	OPTLA_TRY(told(r, libraw_unpack(r->raw)));
 	OPTLA_TRY(check_sizes(r)); /* decoders may correct them */
@@ -169,6 +173,8 @@ optla_status optla_raw_decode_(const optla_source *source, optla_image **out)
 	r.raw = libraw_init(LIBRAW_OPIONS_NO_DATAERR_CALLBACK | LIBRAW_OPIONS_NO_MEMERR_CALLBACK);
 	const optla_status status = r.raw ? read_all(&r) : OPTLA_FAIL(source->ctx, OPTLA_ERR_NOMEM, "LibRaw has no memory");
 	if (r.raw) libraw_close(r.raw);
+	/* Scanners and cameras' developed pictures have makes and sub-directories too. */
+	if (r.not_raw) return optla_tiff_decode_(source, out);
 	if (OPTLA_OK != status) optla_image_destroy(&r.image);
 	*out = r.image;
 	return status;

@@ -20,7 +20,8 @@ static optla_status told(const tiff_writer *w, int done)
 {
 	if (done > 0) return OPTLA_OK;
 	if (w->file->failed) return OPTLA_ERR_NOMEM; /* told already */
-	return OPTLA_FAIL(w->image->ctx, OPTLA_ERR_IO, "TIFF: %s", *w->memory.message ? w->memory.message : "libtiff can't write it");
+	return OPTLA_FAIL(w->image->ctx, OPTLA_ERR_IO, "%s: TIFF: %s", w->file->name,
+	                  *w->memory.message ? w->memory.message : "libtiff can't write it");
 }
 
 static optla_status set_fields(tiff_writer *w)
@@ -51,7 +52,7 @@ static optla_status write_row(tiff_writer *w, size_t y)
 	if (OPTLA_IMAGE_LINEAR == m->kind) {
 		memcpy(w->row, m->data + y * n, n * sizeof *m->data);
 	} else {
-		OPTLA_TRY(optla_quantise_row_(m, y, OPTLA_IMAGE_DISPLAY == m->kind ? 255 : 65535, "TIFF", w->integers));
+		OPTLA_TRY(optla_quantise_row_(m, y, OPTLA_IMAGE_DISPLAY == m->kind ? 255 : 65535, w->file, w->integers));
 		if (OPTLA_IMAGE_DISPLAY == m->kind)
 			for (size_t k = 0; k < n; k++) ((uint8_t *)w->row)[k] = (uint8_t)w->integers[k];
 		else
@@ -70,7 +71,7 @@ static optla_status write_all(tiff_writer *w)
 	w->integers = optla_array_(ctx, n, sizeof *w->integers);
 	w->row = w->integers ? optla_array_(ctx, n, sizeof(float)) : NULL;
 	if (!w->row) return OPTLA_ERR_NOMEM;
-	w->memory = (optla_tiff_memory){.ctx = ctx, .name = "TIFF", .file = w->file};
+	w->memory = (optla_tiff_memory){.ctx = ctx, .name = w->file->name, .file = w->file};
 	w->tiff = optla_tiff_open_(&w->memory, big ? "w8" : "w");
 	OPTLA_TRY(told(w, NULL != w->tiff));
 	OPTLA_TRY(set_fields(w));
@@ -90,7 +91,7 @@ static char *describe(const optla_image *image, const char *provenance)
 optla_status optla_tiff_encode_(const optla_image *image, const char *provenance, optla_memory_file *file)
 {
 	OPTLA_CHECK(image->ctx, image->width <= INT32_MAX && image->height <= INT32_MAX, OPTLA_ERR_ARG,
-	            "%zu x %zu pixels are too many for TIFF", image->width, image->height);
+	            "%s: %zu x %zu pixels are too many for TIFF", file->name, image->width, image->height);
 	tiff_writer w = {.image = image, .file = file};
 	w.description = describe(image, provenance);
 	const optla_status status = w.description ? write_all(&w) : OPTLA_ERR_NOMEM;

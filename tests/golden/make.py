@@ -151,6 +151,11 @@ def make_tiff():
     save("rgb16-bigtiff.tif", array(u16, 3, np.uint16), photometric="rgb", bigtiff=True)
     save("grey16-tiles.tif", array(u16, 1, np.uint16)[..., 0], photometric="minisblack", tile=(16, 16), compression="zlib")
     save("rgb-float-big-tiles.tif", array(half, 3, np.float32), photometric="rgb", tile=(16, 16), byteorder=">")
+    with tempfile.NamedTemporaryFile(suffix=".tif") as t:  # as some scanners write: a make, and a smaller picture in a sub-directory
+        with tifffile.TiffWriter(t.name) as w:
+            w.write(array(u8, 3, np.uint8), photometric="rgb", metadata=None, software=None, subifds=1, extratags=[(271, 2, 5, b"Maker", True)])
+            w.write(array(u8, 3, np.uint8)[::2, ::2], photometric="rgb", metadata=None, software=None)
+        write("rgb8-make.tif", open(t.name, "rb").read())
     save("int32.tif", array(u16, 1, np.int32)[..., 0], photometric="minisblack")
 
 

@@ -7,7 +7,7 @@
 #include <sys/resource.h>
 #include <sys/stat.h>
 
-/* One or more files of each way through the readers. */
+/* One or more files of each way through the readers; none with a second picture behind the first, which isn't read and may be cut. */
 static const char *const files[] = {
     "grey1.png",
     "grey16.png",

@@ -186,6 +186,7 @@ static const golden_image goldens[] = {
     {"grey16-tiles.tif", 1, OPTLA_IMAGE_RAW_DN, u16},
     {"rgb-float-big-tiles.tif", 3, OPTLA_IMAGE_LINEAR, half},
     {"rgb16-lzw.tif", 3, OPTLA_IMAGE_RAW_DN, u16},
+    {"rgb8-make.tif", 3, OPTLA_IMAGE_DISPLAY, display},
     {"rgb8-packbits.tif", 3, OPTLA_IMAGE_DISPLAY, display},
     {"rgb16.npy", 3, OPTLA_IMAGE_RAW_DN, u16},
     {"grey8.npy", 1, OPTLA_IMAGE_DISPLAY, display},
@@ -385,8 +386,8 @@ START_TEST(a_format_says_what_it_cannot_hold)
 	             {"w.png", 1, OPTLA_IMAGE_RAW_DN, 65536, "sample (0, 0, 0) is 65536"},
 	             {"w.png", 1, OPTLA_IMAGE_RAW_DN, -1, "sample (0, 0, 0) is -1"},
 	             {"w.png", 1, OPTLA_IMAGE_DISPLAY, NAN, "nan"},
-	             {"w.tif", 3, OPTLA_IMAGE_RAW_DN, 1e30f, "TIFF can't hold"},
-	             {"w.npy", 1, OPTLA_IMAGE_RAW_DN, INFINITY, "NPY can't hold"},
+	             {"w.tif", 3, OPTLA_IMAGE_RAW_DN, 1e30f, "w.tif: sample (0, 0, 0) is 1e+30"},
+	             {"w.npy", 1, OPTLA_IMAGE_RAW_DN, INFINITY, "can't hold as an integer of 0 to 65535"},
 	             {"w.pfm", 2, OPTLA_IMAGE_LINEAR, 0, "1 or 3 channels"},
 	             {"w.pfm", 1, OPTLA_IMAGE_DISPLAY, 0, "kind display"}};
 	error_store e = {0};
@@ -398,6 +399,7 @@ START_TEST(a_format_says_what_it_cannot_hold)
 		const char *path = temporary(wrong[k].name);
 		status_is(optla_image_save(m, path), OPTLA_ERR_ARG);
 		ck_assert_msg(NULL != strstr(e.text, wrong[k].message), "%s", e.text);
+		ck_assert_msg(!strncmp(e.text, path, strlen(path)), "%s", e.text);
 		ck_assert_int_ne(access(path, F_OK), 0);
 		optla_image_destroy(&m);
 	}

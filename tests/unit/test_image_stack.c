@@ -57,7 +57,7 @@ START_TEST(same_images_for_any_number_of_threads)
 	for (int k = 0; k < COUNT; k++) {
 		optla_image *one;
 		ok(optla_image_load(ctx[0], s.list[k], &one));
-		ck_assert(one->data[0] == k);
+		ck_assert(one->data[0] == (float)k);
 		for (int t = 0; t < 3; t++) {
 			const optla_image *m = images[t][k];
 			ck_assert_ptr_eq(m->ctx, ctx[t]);
