@@ -85,5 +85,11 @@ for file in include/optla/*.h; do
 done >"$tmp"
 finish "no public header is longer than 400 lines"
 
+# pc_names may go over several lines
+for name in $(sed -n '/^pc_names = /,/]/p' meson.build 2>/dev/null | grep -o "'[^']*'" | tr -d "'"); do
+	grep -q "[[:space:]]pc:$name\$" scripts/deps.sh || echo "meson.build needs '$name', scripts/deps.sh installs no package for it"
+done >"$tmp"
+finish "every library that is linked gets installed by scripts/deps.sh"
+
 echo "1..$case_"
 exit $failed

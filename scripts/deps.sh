@@ -18,6 +18,7 @@ pkg-config         cmd:pkg-config
 meson              cmd:meson
 ninja-build        cmd:ninja
 libopenblas-dev    pc:openblas
+liblapack-dev      pc:lapack
 liblapacke-dev     pc:lapacke
 libhdf5-dev        pc:hdf5
 libopenexr-dev     pc:OpenEXR

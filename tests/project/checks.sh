@@ -61,6 +61,8 @@ tree; echo 'int f(void) { return rand (); }' >>src/op/b.c; expect text 'src/op/b
 tree; echo 'void *f(void) { return malloc(1); }' >>src/op/b.c; expect text 'src/op/b.c:3' "malloc past the context"
 tree; printf '/* TO%s: later */\n' DO >>src/op/b.c; expect text 'src/op/b.c:3' "work left for later"
 tree; printf 'int x; \n' >>src/op/b.c; expect text 'src/op/b.c:3' "a blank at a line's end"
+tree; echo "pc_names = ['png']" >meson.build; echo 'libpng-dev pc:png' >scripts/deps.sh; echo '# SPDX-License-Identifier: BSD-3-Clause' >>scripts/deps.sh; expect text '' "a library with its package"
+tree; echo "pc_names = ['png']" >meson.build; echo '# SPDX-License-Identifier: BSD-3-Clause' >scripts/deps.sh; expect text "'png'" "a library without its package"
 
 echo "1..$case_"
 exit $failed
