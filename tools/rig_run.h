@@ -1,0 +1,52 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What the verbs that take photos with a rig share: sensor, operator, pictures and illuminations as files. */
+#ifndef OPTLA_RIG_RUN_H
+#define OPTLA_RIG_RUN_H
+
+#include "cli.h"
+
+#include "optla/image.h"
+#include "optla/op.h"
+#include "optla/rig.h"
+
+/* How photos are taken: the rig operator's options and the name of the sensor. */
+typedef struct {
+	size_t size;
+	const char *sensor; /* NULL, "none": noiseless */
+} cli_sensor_options;
+extern const optla_option_table cli_sensor_table;
+extern const cli_topic cli_sensor_topic;
+
+/* Field of pictures that are written for looking at. */
+typedef struct {
+	size_t size;
+	double brightness; /* 0: automatic */
+} cli_picture_options;
+extern const optla_option_table cli_picture_table;
+
+/* Puts the sensor of that name and the run's seed into options. stream: operators of one run draw their own noise. */
+optla_status cli_take_sensor(const cli_run *run, const cli_sensor_options *sensor, uint64_t stream,
+                             optla_rig_operator_options *options);
+const char *cli_channel_name(optla_channel channel);
+
+/* Writes a LINEAR image: as it is to .exr, .tif, .pfm, .npy; for .png brought to display brightness. */
+optla_status cli_save_picture(const cli_run *run, const optla_image *image, const cli_picture_options *options, const char *path);
+/* OPTLA_ERR_ARG before the work when the name has an ending that no picture (or illumination) can be written to. */
+optla_status cli_check_picture(const cli_run *run, const char *path);
+optla_status cli_check_lights(const cli_run *run, const char *path);
+
+/* Lights of a rig or model: n lights, on a grid of width x height if width isn't 0. */
+typedef struct {
+	size_t n, width, height;
+} cli_lights;
+
+/* values: n per channel, channel-major. .csv: a line for each light; .npy: n x channels; else a picture on the grid. */
+optla_status cli_save_lights(const cli_run *run, const cli_lights *lights, const double *values, size_t channels,
+                             const cli_picture_options *options, const char *path);
+/* 3 when the spec names a colour image and the camera has colours, else 1. */
+optla_status cli_light_channels(const cli_run *run, const char *spec, size_t camera_channels, size_t *channels);
+
+/* Numbers of what the photos have cost. */
+void cli_cost(cli_run *run, uint64_t photos, double exposure_s);
+
+#endif
