@@ -101,7 +101,8 @@ OPTLA_API optla_status optla_krylov_bases(const optla_krylov *run, optla_cblock 
 /** r_k and s_k of Algorithm 2 (nrows x k, ncols x k; the non-symmetric form only, data NULL else): for Fig. 2.6. */
 OPTLA_API optla_status optla_krylov_dual_bases(const optla_krylov *run, optla_cblock *r, optla_cblock *s);
 /** GMRES: illumination p (ncols) of Eq. 2.9 with the chosen non-negativity, from the first k photos (0: rank). p is of the
-    op's type; *residual = ||i - D Pᵀ p|| / ||i|| recomputed. */
+    op's type; *residual = ||i - D Pᵀ p|| / ||i|| recomputed. NNLS minimises that with a price on the part of p that was never
+    photographed, which D Pᵀ doesn't see: ||D Pᵀ p - i||² + τ² ||(I - P Pᵀ) p||² over p >= 0, τ the smallest singular value of D. */
 OPTLA_API optla_status optla_krylov_solution(const optla_krylov *run, size_t k, void *p, double *residual);
 /** SVD: values (rank, double), left vectors U (nrows x rank), right V (ncols x rank), op's type; residual (rank): recomputed
     max(||T v - σ u||, ||Tᴴ u - σ v||) / σ_1 from stored photos. Any may be NULL/empty. */

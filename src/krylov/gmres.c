@@ -49,24 +49,6 @@ static void combine(const optla_krylov *run, size_t k, const double *y, optla_bl
 	for (size_t j = 0; j < k; j++) optla_axpy_(y[j], optla_block_const(run->p), j, p, 0);
 }
 
-/* min ||D Pᵀ p - i|| over p >= 0. With D = Q R only the part of i in the span of Q matters: ||R Pᵀ p - Qᵀ i||, k x ncols. */
-static optla_status solve_nonnegative(optla_krylov *run, size_t k, optla_block p)
-{
-	optla_ctx *ctx = run->ctx;
-	double *a = optla_calloc_(ctx, k * run->ncols, sizeof *a), *x = optla_array_(ctx, run->ncols, sizeof *x);
-	optla_status status = a && x ? OPTLA_OK : OPTLA_ERR_NOMEM;
-	for (size_t n = 0; !status && n < run->ncols; n++)
-		for (size_t l = 0; l < k; l++) {
-			const double pl = optla_get_(optla_block_const(run->p), n, l);
-			for (size_t j = 0; j <= l; j++) a[j + n * k] += run->qr[j + l * run->kmax] * pl;
-		}
-	if (!status) status = optla_nnls_(ctx, a, k, run->ncols, run->qt, x, NULL);
-	for (size_t n = 0; !status && n < run->ncols; n++) optla_set_(p, n, 0, x[n]);
-	optla_free(ctx, a);
-	optla_free(ctx, x);
-	return status;
-}
-
 /* ||i - D (Pᵀ p)|| / ||i|| */
 static double recomputed_residual(const optla_krylov *run, size_t k, optla_cblock p)
 {
@@ -83,11 +65,10 @@ optla_status optla_krylov_solution(const optla_krylov *run, size_t k, void *p, d
 	OPTLA_CHECK(ctx, run->method == OPTLA_KRYLOV_GMRES, OPTLA_ERR_ARG, "only a GMRES run has a solution");
 	OPTLA_CHECK(ctx, k <= run->k, OPTLA_ERR_ARG, "a solution from %zu photos is wanted, the run has %zu", k, run->k);
 	if (!k) k = run->rank;
-	optla_krylov *self = (optla_krylov *)run; /* scratch only */
 	const optla_block x = optla_block_(p, run->ncols, 1, run->type);
-	optla_gmres_coefficients_(run, k, self->small);
+	optla_gmres_coefficients_(run, k, run->small);
 	combine(run, k, run->small, x);
-	if (run->opt.nonnegative == OPTLA_NONNEGATIVE_NNLS && k) OPTLA_TRY(solve_nonnegative(self, k, x));
+	if (run->opt.nonnegative == OPTLA_NONNEGATIVE_NNLS && k) OPTLA_TRY(optla_gmres_nonnegative_(run, k, x));
 	if (run->opt.nonnegative == OPTLA_NONNEGATIVE_CLAMP)
 		for (size_t n = 0; n < run->ncols; n++) optla_set_(x, n, 0, fmax(0, optla_get_(optla_block_const(x), n, 0)));
 	if (residual) *residual = recomputed_residual(run, k, optla_block_const(x));

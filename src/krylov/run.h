@@ -81,6 +81,8 @@ double optla_noise_allowed_(const optla_krylov *run);
 /* gmres.c */
 optla_status optla_gmres_update_(optla_krylov *run, size_t k); /* takes photo k into the QR factors; residuals[k], gaps[k] */
 void optla_gmres_coefficients_(const optla_krylov *run, size_t k, double *y); /* y = argmin ||D_k y - i|| */
+/* nonnegative.c: p >= 0 from the first k >= 1 photos */
+optla_status optla_gmres_nonnegative_(const optla_krylov *run, size_t k, optla_block p);
 
 /* svd.c */
 optla_status optla_svd_residual_(optla_krylov *run, double *residual); /* largest of the wanted triplets */

@@ -318,6 +318,48 @@ START_TEST(nonnegative_solutions)
 }
 END_TEST
 
+START_TEST(nonnegative_light_makes_the_photo)
+{
+	/* 12 photos for 60 lights, all singular values alike: most of a light pattern was never photographed. What is sent out must make
+	   the target's photo all the same; minimising ||D P' p - i|| alone over p >= 0 misses it by more than its own size. */
+	enum { M = 80, N = 60, K = 12 };
+	optla_ctx *ctx = test_ctx(NULL, 0);
+	double s[N], light[N], i[M] = {0}, p[N], error[3];
+	for (int j = 0; j < N; j++) {
+		s[j] = 1 - 0.005 * j;
+		light[j] = exp(-0.02 * (j - 25) * (j - 25));
+	}
+	double *t = with_spectrum(ctx, M, N, s, N, false);
+	for (int j = 0; j < N; j++)
+		for (int m = 0; m < M; m++) i[m] += t[m + j * M] * light[j];
+	optla_op *op = dense(ctx, t, M, N);
+	for (int how = 0; how < 3; how++) {
+		optla_krylov_options o = optla_krylov_defaults;
+		o.iterations = K;
+		o.nonnegative = (optla_nonnegative)how;
+		optla_krylov *run = started(op, OPTLA_KRYLOV_GMRES, &o, i);
+		double norm = 0, difference = 0;
+		ok(optla_krylov_run(run));
+		ok(optla_krylov_solution(run, K, p, NULL));
+		for (int m = 0; m < M; m++) {
+			double r = -i[m];
+			for (int j = 0; j < N; j++) r += t[m + j * M] * p[j];
+			difference += r * r;
+			norm += i[m] * i[m];
+		}
+		for (int j = 0; j < N && how == OPTLA_NONNEGATIVE_NNLS; j++) ck_assert_double_ge(p[j], 0);
+		error[how] = sqrt(difference / norm);
+		optla_krylov_destroy(&run);
+	}
+	/* GMRES finds the light here to 1e-6, of which the constraint may cost some */
+	ck_assert_double_lt(error[OPTLA_NONNEGATIVE_NONE], 1e-5);
+	ck_assert_double_lt(error[OPTLA_NONNEGATIVE_NNLS], 2 * error[OPTLA_NONNEGATIVE_NONE] + 1e-7);
+	optla_op_unref(&op);
+	free(t);
+	optla_ctx_destroy(&ctx);
+}
+END_TEST
+
 START_TEST(power_finds_the_principal_vector)
 {
 	optla_ctx *ctx = test_ctx(NULL, 0);
@@ -572,6 +614,7 @@ int main(void)
 	tcase_add_test(t, gmres_residual_is_lapacks);
 	tcase_add_test(t, gmres_inverts_exactly_and_stops);
 	tcase_add_test(t, nonnegative_solutions);
+	tcase_add_test(t, nonnegative_light_makes_the_photo);
 	tcase_add_test(t, power_finds_the_principal_vector);
 	tcase_add_test(t, photos_are_counted_and_budgeted);
 	tcase_add_test(t, high_resolution_photos_come_along);
