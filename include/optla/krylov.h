@@ -68,7 +68,9 @@ typedef struct {
 	uint64_t photos;   /**< taken for this run, those before a resume included */
 	double exposure_s;
 	double residual; /**< relative and recomputed, see optla_krylov_options.tolerance */
-	double noise;    /**< estimated ||E||: expected Frobenius norm of the error in D(:, 1..rank) */
+	double
+	    residual_true; /**< GMRES: estimated ||i - T p||/||i|| with the share of the photos' noise taken out; 0: lost in the noise */
+	double noise;      /**< estimated ||E||: expected Frobenius norm of the error in D(:, 1..rank) */
 	double
 	    noise_allowed; /**< GMRES: largest ||E_k|| that Simoncini & Szyld's bound still allows at the last step for `tolerance` */
 	double seconds_operator, seconds_total;

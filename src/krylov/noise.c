@@ -6,14 +6,21 @@
 
        E||T - D Pᵀ||² = ||T||² - sum_k ||T p_k||² + sum_k n_k²,        E||d_k||² = ||T p_k||² + n_k²,
 
-   so photo k lowers the expected squared error by ||d_k||² - 2 n_k² and is worth taking while that is positive. For the
-   inverse problem the true residual differs from the computed one by the gap E y = sum_k e_k y_k. */
+   so photo k lowers the expected squared error by ||d_k||² - 2 n_k² and is worth taking while that is positive.
+
+   For the inverse problem the computed residual i - D y = (i - T P y) - E y holds the gap E y, which is random and so nearly orthogonal
+   to the true residual; fitting k numbers takes its share of it. Hence
+
+       E||i - T P y||² ~ ||i - D y||² m / (m - k) - sum_k n_k² y_k²      (m pixels),
+
+   and when that has fallen to zero the rest is noise that no further photo can tell from a residual. */
 #include "run.h"
 
 #include <math.h>
 
-/* A later direction may carry more light than the present one, so one useless photo isn't the end; this many in a row are. */
-enum { PATIENCE = 3 };
+/* A later direction may carry more light than the present one, so one useless photo isn't the end; this many in a row are. Residuals of
+   the inverse problem have longer plateaus (a dozen photos were seen). */
+enum { PATIENCE = 3, PATIENCE_INVERSE = 12 };
 
 double optla_noise_gap_(const optla_krylov *run, size_t k, const double *y)
 {
@@ -36,23 +43,31 @@ static size_t best_capture(const optla_krylov *run)
 	return best;
 }
 
-static size_t best_inverse(const optla_krylov *run)
+double optla_noise_true_residual2_(const optla_krylov *run, size_t k)
+{
+	const double r = run->residuals[k - 1] * run->target_norm, g = run->gaps[k - 1], m = (double)run->nrows;
+	return r * r * m / fmax(m - (double)k, 1) - g * g;
+}
+
+static size_t best_inverse(const optla_krylov *run, bool *useless)
 {
 	double least = INFINITY;
 	size_t best = 0;
-	for (size_t j = 0; j < run->k; j++) {
-		const double e = hypot(run->residuals[j] * run->target_norm, run->gaps[j]);
+	for (size_t j = 1; j <= run->k; j++) {
+		const double e = optla_noise_true_residual2_(run, j);
 		if (e < least) {
 			least = e;
-			best = j + 1;
+			best = j;
 		}
 	}
+	*useless = least <= 0 || run->k >= best + PATIENCE_INVERSE;
 	return best;
 }
 
 size_t optla_noise_best_(const optla_krylov *run, bool *useless)
 {
-	const size_t best = run->method == OPTLA_KRYLOV_GMRES ? best_inverse(run) : best_capture(run);
+	if (run->method == OPTLA_KRYLOV_GMRES) return best_inverse(run, useless);
+	const size_t best = best_capture(run);
 	*useless = run->k >= best + PATIENCE;
 	return best;
 }

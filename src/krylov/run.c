@@ -231,6 +231,8 @@ optla_krylov_info optla_krylov_get_info(const optla_krylov *run)
 	                          .noise_allowed = optla_noise_allowed_(run)};
 	const size_t at = run->method == OPTLA_KRYLOV_GMRES ? run->rank : run->k;
 	info.residual = at ? run->residuals[at - 1] : 1;
+	if (run->method == OPTLA_KRYLOV_GMRES)
+		info.residual_true = at ? sqrt(fmax(0, optla_noise_true_residual2_(run, at))) / run->target_norm : 1;
 	for (size_t j = 0; j < optla_min_(run->rank, run->method == OPTLA_KRYLOV_POWER ? 0 : run->k); j++)
 		info.noise = hypot(info.noise, run->noise[j]);
 	if (run->method == OPTLA_KRYLOV_POWER && run->k) info.noise = run->noise[run->k - 1];

@@ -75,6 +75,8 @@ double optla_ortho_dirt_(optla_scalar type);
 size_t optla_noise_best_(const optla_krylov *run, bool *useless);
 /* GMRES: expected ||E y||, the gap between computed and true residual, for coefficients y of k photos. */
 double optla_noise_gap_(const optla_krylov *run, size_t k, const double *y);
+/* GMRES: estimate of ||i - T P y||² from k photos with the noise's share taken out; may be negative. */
+double optla_noise_true_residual2_(const optla_krylov *run, size_t k);
 /* GMRES: largest ||E_k|| that still allows the tolerance at the last step. */
 double optla_noise_allowed_(const optla_krylov *run);
 

@@ -1,0 +1,202 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Noise-aware stopping (section 2.7): on twenty seeds the true error where a run stops is at most 1.05 times the smallest that any
+   number of iterations reaches. The truth is the analytic corner's T; the runs see it through a sensor. */
+#include "math/dense.h"
+#include "near.h"
+#include "optla/relight.h"
+
+#include <unistd.h>
+
+enum { SEEDS = 20, MOST = 160 };
+
+typedef struct {
+	optla_ctx *ctx;
+	optla_rig *rig;
+	optla_op *truth;
+	size_t nrows, ncols;
+} setting;
+
+/* Lit through a diffusing screen T is dense and its singular values fall fast (Fig. 2.3b), so that noise ends a run early. */
+static setting corner(void)
+{
+	setting s = {.ctx = test_ctx(NULL, 1)};
+	static const char text[] =
+	    "kind: analytic\n"
+	    "camera: {position_m: [0.62, 0.75, 2.30], look_at_m: [0.42, 0.42, 0.20], field_of_view_deg: 26, size: [32, 32]}\n"
+	    "screen: {x_m: 1.05, y_m: [0.10, 0.95], z_m: [0.10, 0.95], size: [16, 16]}\n";
+	char path[] = "/tmp/optla_noise_stop_XXXXXX";
+	const int file = mkstemp(path);
+	ck_assert_int_ge(file, 0);
+	ck_assert_int_eq(write(file, text, sizeof text - 1), sizeof text - 1);
+	close(file);
+	ok(optla_rig_open(s.ctx, path, NULL, &s.rig));
+	unlink(path);
+	ok(optla_rig_truth(s.rig, OPTLA_CHANNEL_GREY, &s.truth));
+	s.nrows = optla_op_nrows(s.truth);
+	s.ncols = optla_op_ncols(s.truth);
+	return s;
+}
+
+static void leave(setting *s)
+{
+	optla_op_unref(&s->truth);
+	optla_rig_destroy(&s->rig);
+	optla_ctx_destroy(&s->ctx);
+}
+
+static optla_op *camera(const setting *s, const char *sensor, double exposure, optla_split split, uint64_t seed)
+{
+	optla_rig_operator_options o = optla_rig_operator_defaults;
+	optla_op *op;
+	o.sensor = optla_sensor_preset(sensor);
+	ck_assert_ptr_nonnull(o.sensor);
+	o.type = OPTLA_F64;
+	o.split = split;
+	o.seed = seed;
+	o.exposure = exposure;
+	ok(optla_rig_operator(s->rig, &o, &op));
+	return op;
+}
+
+static optla_krylov *finished(optla_op *op, optla_krylov_method method, bool noise_stop, const double *target)
+{
+	optla_krylov_options o = optla_krylov_defaults;
+	optla_krylov *run;
+	o.iterations = MOST;
+	o.noise_stop = noise_stop;
+	const optla_krylov_problem problem = {.size = sizeof problem, .op = op, .target = target};
+	ok(optla_krylov_create(&problem, method, &o, &run));
+	ok(optla_krylov_run(run));
+	return run;
+}
+
+static size_t smallest(const double *errors, size_t n)
+{
+	size_t best = 0;
+	for (size_t k = 1; k < n; k++)
+		if (errors[k] < errors[best]) best = k;
+	return best;
+}
+
+static void capture_stops_in_time(const char *sensor, double exposure, optla_split split)
+{
+	setting s = corner();
+	double worst = 0, saved = 0, stopped = 0, best_at = 0;
+	for (uint64_t seed = 1; seed <= SEEDS; seed++) {
+		double errors[MOST];
+		optla_op *op = camera(&s, sensor, exposure, split, seed), *same = camera(&s, sensor, exposure, split, seed);
+		optla_krylov *all = finished(op, OPTLA_KRYLOV_ARNOLDI, false, NULL),
+		             *run = finished(same, OPTLA_KRYLOV_ARNOLDI, true, NULL);
+		optla_cblock d, p;
+		ok(optla_krylov_bases(all, &d, &p, NULL));
+		ok(optla_relative_errors(d, p, s.truth, errors));
+		const optla_krylov_info info = optla_krylov_get_info(run);
+		const size_t best = smallest(errors, d.ncols);
+		ck_assert_uint_ge(info.rank, 1);
+		const double ratio = errors[info.rank - 1] / errors[best];
+		ck_assert_msg(ratio <= 1.05, "%s x %g, seed %llu: error %.4f after %zu iterations, the least is %.4f after %zu", sensor,
+		              exposure, (unsigned long long)seed, errors[info.rank - 1], info.rank, errors[best], best + 1);
+		worst = fmax(worst, ratio);
+		saved += (double)info.photos_saved / SEEDS;
+		stopped += (double)info.rank / SEEDS;
+		best_at += (double)(best + 1) / SEEDS;
+		ck_assert_int_eq(info.stop, OPTLA_STOP_NOISE);
+		ck_assert_uint_gt(info.photos_saved, 0);
+		optla_krylov_destroy(&all);
+		optla_krylov_destroy(&run);
+		optla_op_unref(&op);
+		optla_op_unref(&same);
+	}
+	printf("# Arnoldi, %s x %g, split %d: keeps %.1f iterations (best %.1f), saves %.0f photos of %d iterations, worst error "
+	       "ratio %.4f\n",
+	       sensor, exposure, (int)split, stopped, best_at, saved, MOST, worst);
+	leave(&s);
+}
+
+START_TEST(capture_8_bit) { capture_stops_in_time("video-8bit", 1, OPTLA_SPLIT_SIGNED); }
+END_TEST
+START_TEST(capture_12_bit) { capture_stops_in_time("ccd-12bit", 1, OPTLA_SPLIT_SIGNED); }
+END_TEST
+START_TEST(capture_12_bit_in_the_dark) { capture_stops_in_time("ccd-12bit", 0.05, OPTLA_SPLIT_OFFSET); }
+END_TEST
+
+/* ||T p - i|| / ||i|| with the true T. */
+static double true_residual(const setting *s, const double *p, const double *i)
+{
+	double *c = malloc(s->nrows * sizeof *c), sum = 0, norm = 0;
+	ok(optla_op_apply(s->truth, OPTLA_FORWARD, optla_cblock_(p, s->ncols, 1, OPTLA_F64),
+	                  optla_block_(c, s->nrows, 1, OPTLA_F64)));
+	for (size_t m = 0; m < s->nrows; m++) {
+		sum += (c[m] - i[m]) * (c[m] - i[m]);
+		norm += i[m] * i[m];
+	}
+	free(c);
+	return sqrt(sum / norm);
+}
+
+/* Target: the photo under a soft spot of light, which T can make exactly. */
+static void make_target(const setting *s, double *i)
+{
+	double *p = malloc(s->ncols * sizeof *p);
+	for (size_t n = 0; n < s->ncols; n++) {
+		const double x = (double)(n % 16) - 5, y = (double)(n / 16) - 9;
+		p[n] = exp(-(x * x + y * y) / 18);
+	}
+	ok(optla_op_apply(s->truth, OPTLA_FORWARD, optla_cblock_(p, s->ncols, 1, OPTLA_F64),
+	                  optla_block_(i, s->nrows, 1, OPTLA_F64)));
+	free(p);
+}
+
+START_TEST(inverse_stops_in_time)
+{
+	setting s = corner();
+	double *i = malloc(s.nrows * sizeof *i), *p = malloc(s.ncols * sizeof *p), worst = 0, saved = 0;
+	make_target(&s, i);
+	for (uint64_t seed = 1; seed <= SEEDS; seed++) {
+		optla_op *op = camera(&s, "ccd-12bit", 1, OPTLA_SPLIT_SIGNED, seed),
+		         *same = camera(&s, "ccd-12bit", 1, OPTLA_SPLIT_SIGNED, seed);
+		optla_krylov *all = finished(op, OPTLA_KRYLOV_GMRES, false, i), *run = finished(same, OPTLA_KRYLOV_GMRES, true, i);
+		const optla_krylov_info whole = optla_krylov_get_info(all), info = optla_krylov_get_info(run);
+		double least = INFINITY;
+		size_t best = 0;
+		for (size_t k = 1; k <= whole.iterations; k++) {
+			ok(optla_krylov_solution(all, k, p, NULL));
+			const double r = true_residual(&s, p, i);
+			if (r < least) least = r, best = k;
+		}
+		ok(optla_krylov_solution(run, 0, p, NULL));
+		const double r = true_residual(&s, p, i);
+		/* The residual is seen through the noise's gap, whose energy over m pixels is uncertain by a part sqrt(2/m): two standard
+		   errors of it are the finest difference that the photos show. */
+		const double gap2 = info.residual * info.residual - info.residual_true * info.residual_true,
+		             finest = 2 * sqrt(2.0 / (double)s.nrows) * gap2;
+		ck_assert_msg(r * r - least * least <= finest,
+		              "seed %llu: true residual %.5f after %zu iterations, the least is %.5f after %zu", (unsigned long long)seed,
+		              r, info.rank, least, best);
+		near_abs(info.residual_true * info.residual_true, r * r, finest);
+		ck_assert_int_eq(info.stop, OPTLA_STOP_NOISE);
+		worst = fmax(worst, r / least);
+		saved += (double)info.photos_saved / SEEDS;
+		optla_krylov_destroy(&all);
+		optla_krylov_destroy(&run);
+		optla_op_unref(&op);
+		optla_op_unref(&same);
+	}
+	printf("# GMRES, ccd-12bit: saves %.0f photos of %d iterations, worst residual ratio %.4f\n", saved, MOST, worst);
+	free(i), free(p);
+	leave(&s);
+}
+END_TEST
+
+int main(void)
+{
+	Suite *s = suite_create("noise_stop");
+	TCase *t = tcase_create("noise_stop");
+	tcase_set_timeout(t, 300);
+	tcase_add_test(t, capture_8_bit);
+	tcase_add_test(t, capture_12_bit);
+	tcase_add_test(t, capture_12_bit_in_the_dark);
+	tcase_add_test(t, inverse_stops_in_time);
+	suite_add_tcase(s, t);
+	return run_suite(s);
+}
