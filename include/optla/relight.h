@@ -107,7 +107,7 @@ typedef struct {
 
 typedef struct {
 	size_t size;
-	uint64_t seed; /**< of the random choices: single lights, Nystroem's rows and columns */
+	uint64_t seed;    /**< of the random choices: single lights, Nystroem's rows and columns */
 	const size_t *ks; /**< ascending list of k to report, from 1; at most ncols (Nystroem and SVD: min(nrows, ncols)) */
 	size_t nks;
 } optla_capture_options;
