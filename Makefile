@@ -74,9 +74,7 @@ check: check-format
 	@scripts/check_text.sh
 
 asan: deps
-	@test -f build-asan/build.ninja || meson setup build-asan -Db_sanitize=address,undefined -Dbuildtype=debugoptimized
-	@ninja -C build-asan
-	@scripts/run_tests.sh build-asan quick --timeout-multiplier 6
+	@scripts/asan.sh
 
 fuzz:
 	@scripts/fuzz.sh $(SECONDS)
