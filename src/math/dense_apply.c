@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Products of a dense column-major matrix with a block of columns.
-   The work is cut into tasks by the shape alone, and sums are added in the order of the tasks: the result doesn't depend on the
-   number of threads. A is read from memory once for all right-hand sides of a block. */
+   Where a sum is cut into parts they are cut by the shape alone and added in their order: the result doesn't depend on the number
+   of threads. A is read from memory once for all right-hand sides of a block. */
 #include "math/dense.h"
 #include "math/dense_impl.h"
 
@@ -15,13 +15,11 @@ static const forward_fn forward_tile[] = {optla_tile_forward_f32_, optla_tile_fo
 static const dots_fn dots_tile[] = {optla_tile_dots_f32_, optla_tile_dots_f64_, optla_tile_dots_c32_, optla_tile_dots_c64_};
 
 enum {
-	/* rows of a tile of y = A x, one right-hand side: 128 KiB of float y stay in level 2 while long stretches of each column stream
-	   past (50 columns of 2.3 million rows: 2048 rows 11 ms, 8192 9.3, 32768 8.3, 131072 8.5; reading alone 8.0) */
-	ROWS_STREAM = 32768,
-	ROWS_ONE = 4096,       /* for two to seven */
+	/* rows of a tile of y = A x, one right-hand side: 64 KiB of float y stay in level 2 while long stretches of each column stream
+	   past (84708 x 1024 on one core of an EPYC 9004: 1024 rows 21 ms, 4096 18, 8192 16.1, 12288 15.5; reading alone 15.9) */
+	ROWS_STREAM = 16384,
 	ROWS_BLOCK = 512,      /* for several: 8 columns of y in level 1 */
-	ROWS_DOTS = 16384,     /* of a transposed product: 64 KiB of float x stay in level 2 */
-	TILES_WANTED = 24,     /* at least: 1, 2, 3, 4, 6, 8 or 12 threads get equal shares */
+	ROWS_DOTS = 32768,     /* of a transposed product: x in level 2 */
 	COLUMNS_TILE = 128,    /* columns of a tile: 256 KiB of A stay in level 2 while all right-hand sides pass */
 	COLUMNS_TASK = 64,     /* columns of one task of a transposed product */
 	TASKS_WANTED = 64,     /* enough to share out evenly, few enough that partial sums are small */
@@ -35,13 +33,17 @@ static bool worth_threads(optla_cblock a, size_t nrhs) { return (double)a.nrows 
 
 static size_t ceil_div(size_t a, size_t b) { return a / b + (a % b != 0); }
 
+/* Rows of each of n parts, a multiple of unit. */
+static size_t even_share(size_t nrows, size_t n, size_t unit) { return optla_max_(ceil_div(ceil_div(nrows, n), unit), 1) * unit; }
+
 static const char *at(const void *data, size_t index, size_t bytes) { return (const char *)data + index * bytes; }
 
+/* Each row of y is a sum of its own, in the order of the columns: the same wherever a tile ends, so every thread gets as many rows. */
 static void apply_forward(optla_ctx *ctx, optla_cblock a, optla_cblock x, optla_block y)
 {
 	const size_t bytes = optla_scalar_bytes(a.type);
-	const size_t most = x.ncols >= 8 ? ROWS_BLOCK : 1 == x.ncols ? ROWS_STREAM : ROWS_ONE;
-	const size_t rows = optla_min_(most, (ceil_div(a.nrows, TILES_WANTED) / 64 + 1) * 64);
+	const size_t most = x.ncols >= 8 ? ROWS_BLOCK : ROWS_STREAM, threads = (size_t)optla_ctx_threads(ctx);
+	const size_t rows = even_share(a.nrows, optla_max_(ceil_div(a.nrows, most * threads), 1) * threads, 64);
 	const size_t ntiles = ceil_div(a.nrows, rows), width = x.ncols >= 8 ? COLUMNS_TILE : a.ncols;
 #pragma omp parallel for num_threads(optla_ctx_threads(ctx)) schedule(dynamic) if (worth_threads(a, x.ncols))
 	for (size_t k = 0; k < ntiles; k++) {
@@ -61,7 +63,7 @@ static void partial_sums(optla_ctx *ctx, bool conj, optla_cblock a, optla_cblock
 {
 	const size_t bytes = optla_scalar_bytes(a.type), parts = a.type >= OPTLA_C32 ? 2 : 1;
 	const size_t npanels = ceil_div(a.ncols, COLUMNS_TASK), nchunks = ceil_div(a.nrows, chunk);
-	const size_t rows = x.ncols >= 4 ? ROWS_BLOCK : ROWS_DOTS;
+	const size_t rows = x.ncols >= 4 ? ROWS_BLOCK : even_share(chunk, ceil_div(chunk, ROWS_DOTS), 1024);
 #pragma omp parallel for num_threads(optla_ctx_threads(ctx)) schedule(dynamic) if (worth_threads(a, x.ncols))
 	for (size_t k = 0; k < nchunks * npanels; k++) {
 		const size_t c = k / npanels, j = k % npanels * COLUMNS_TASK, end = optla_min_(a.nrows, (c + 1) * chunk);
@@ -98,8 +100,8 @@ static void store_sums(const double *sums, size_t nchunks, size_t ncols, optla_b
 static optla_status apply_transposed(optla_ctx *ctx, bool conj, optla_cblock a, optla_cblock x, optla_block y)
 {
 	const size_t parts = a.type >= OPTLA_C32 ? 2 : 1, npanels = ceil_div(a.ncols, COLUMNS_TASK);
-	size_t chunk = optla_max_(ceil_div(a.nrows, ceil_div(TASKS_WANTED, optla_max_(npanels, 1))), 256);
-	chunk = ceil_div(chunk, 256) * 256;
+	const size_t wanted = ceil_div(TASKS_WANTED, optla_max_(npanels, 1));
+	const size_t chunk = even_share(a.nrows, wanted, a.nrows / wanted >= 8192 ? 1024 : 256);
 	const size_t nchunks = ceil_div(a.nrows, chunk), block = optla_min_(BLOCK, x.ncols);
 	double *sums = optla_array_(ctx, nchunks * block * a.ncols, parts * sizeof *sums);
 	if (!sums) return OPTLA_ERR_NOMEM;

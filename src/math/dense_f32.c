@@ -13,6 +13,13 @@ OPTLA_CLONES static void add_8_columns(size_t n, const float *restrict a, size_t
 		        ((b[i] * x4 + b[lda + i] * x5) + (b[2 * lda + i] * x6 + b[3 * lda + i] * x7));
 }
 
+OPTLA_CLONES static void add_2_columns(size_t n, const float *restrict a, size_t lda, const float *x, float *restrict y)
+{
+	const float x0 = x[0], x1 = x[1];
+#pragma omp simd
+	for (size_t i = 0; i < n; i++) y[i] += a[i] * x0 + a[lda + i] * x1;
+}
+
 OPTLA_CLONES static void add_column(size_t n, const float *restrict a, float x, float *restrict y)
 {
 #pragma omp simd
@@ -41,6 +48,15 @@ OPTLA_CLONES static void add_4_columns_8(size_t n, const float *restrict a, size
 	}
 }
 
+static void add_one(optla_tile t, const float *x, float *y)
+{
+	const float *a = t.a;
+	size_t j = 0;
+	for (; j + 8 <= t.cols; j += 8) add_8_columns(t.rows, a + j * t.lda, t.lda, x + j, y);
+	for (; j + 2 <= t.cols; j += 2) add_2_columns(t.rows, a + j * t.lda, t.lda, x + j, y);
+	if (j < t.cols) add_column(t.rows, a + j * t.lda, x[j], y);
+}
+
 void optla_tile_forward_f32_(optla_tile t, void *y_, size_t ldy)
 {
 	const float *a = t.a, *x = t.x;
@@ -52,14 +68,7 @@ void optla_tile_forward_f32_(optla_tile t, void *y_, size_t ldy)
 		for (; j < t.cols; j++)
 			for (size_t k = r; k < r + 8; k++) add_column(t.rows, a + j * t.lda, x[k * t.ldx + j], y + k * ldy);
 	}
-	for (size_t j = 0; j < t.cols; j += 8)
-		for (size_t k = r; k < t.nrhs; k++) {
-			if (j + 8 <= t.cols) {
-				add_8_columns(t.rows, a + j * t.lda, t.lda, x + k * t.ldx + j, y + k * ldy);
-				continue;
-			}
-			for (size_t i = j; i < t.cols; i++) add_column(t.rows, a + i * t.lda, x[k * t.ldx + i], y + k * ldy);
-		}
+	for (; r < t.nrhs; r++) add_one(t, x + r * t.ldx, y + r * ldy);
 }
 
 /* Rows that are summed in float before they join the sum in double: keeps the rounding of long columns away. */
@@ -85,6 +94,21 @@ OPTLA_CLONES static void dots_8_columns(size_t n, const float *restrict a, size_
 		}
 		const float s[8] = {s0, s1, s2, s3, s4, s5, s6, s7};
 		for (size_t j = 0; j < 8; j++) sums[j] += (double)s[j];
+	}
+}
+
+OPTLA_CLONES static void dots_2_columns(size_t n, const float *restrict a, size_t lda, const float *restrict x, double *sums)
+{
+	for (size_t first = 0; first < n; first += FLOAT_ROWS) {
+		const size_t end = n - first < FLOAT_ROWS ? n : first + FLOAT_ROWS;
+		float s = 0, t = 0;
+#pragma omp simd reduction(+ : s, t)
+		for (size_t i = first; i < end; i++) {
+			s += a[i] * x[i];
+			t += a[lda + i] * x[i];
+		}
+		sums[0] += (double)s;
+		sums[1] += (double)t;
 	}
 }
 
@@ -134,6 +158,7 @@ void optla_tile_dots_f32_(optla_tile t, bool conj, double *sums, size_t lds)
 	for (; r < t.nrhs; r++) {
 		size_t j = 0;
 		for (; j + 8 <= t.cols; j += 8) dots_8_columns(t.rows, a + j * t.lda, t.lda, x + r * t.ldx, sums + r * lds + j);
-		for (; j < t.cols; j++) dot_column(t.rows, a + j * t.lda, x + r * t.ldx, sums + r * lds + j);
+		for (; j + 2 <= t.cols; j += 2) dots_2_columns(t.rows, a + j * t.lda, t.lda, x + r * t.ldx, sums + r * lds + j);
+		if (j < t.cols) dot_column(t.rows, a + j * t.lda, x + r * t.ldx, sums + r * lds + j);
 	}
 }
