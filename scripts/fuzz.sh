@@ -16,7 +16,20 @@ ninja -C "$build" fuzz >"$build/fuzz-build.log" 2>&1 || { cat "$build/fuzz-build
 rm -rf "$build/seeds" "$build/findings"
 mkdir -p "$build/findings" "$build/logs"
 "$build/tests/fuzz/fuzz_seeds" "$build/seeds" || exit 1
-mkdir -p "$build/seeds/fuzz_manifest" && cp examples/rigs/*.yaml "$build/seeds/fuzz_manifest/" || exit 1
+# Files of other programs take ways through the readers that ours don't.
+add_seeds() { # TARGET FILE...
+	local folder=$build/seeds/$1
+	mkdir -p "$folder" && cp "${@:2}" "$folder/" || exit 1
+}
+add_seeds fuzz_manifest examples/rigs/*.yaml
+add_seeds fuzz_npy tests/golden/*.npy tests/golden/arrays/*.npy
+add_seeds fuzz_npz tests/golden/arrays/*.npz
+add_seeds fuzz_h5 tests/golden/arrays/*.h5
+add_seeds fuzz_png tests/golden/*.png
+add_seeds fuzz_tiff tests/golden/*.tif
+add_seeds fuzz_exr tests/golden/*.exr
+add_seeds fuzz_pfm tests/golden/*.pfm
+add_seeds fuzz_raw tests/golden/*.dng
 
 # OpenMP's threads would only get in each other's way; third-party code may try an allocation that is too large and must survive it.
 export OMP_NUM_THREADS=1 ASAN_OPTIONS=allocator_may_return_null=1:detect_leaks=1 UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1

@@ -347,6 +347,48 @@ START_TEST(values_in_another_file_are_not_followed)
 }
 END_TEST
 
+/* Changes the bytes of the file at path where find stands for the first time. */
+static void patch(optla_ctx *ctx, const char *find, size_t n, size_t offset, const char *put, size_t nput)
+{
+	void *data;
+	size_t count, k = 0;
+	ok(optla_read_file_(ctx, path, &data, &count));
+	char *bytes = data;
+	while (k + n < count && memcmp(bytes + k, find, n)) k++;
+	ck_assert(k + n < count && k + offset + nput <= count);
+	memcpy(bytes + k + offset, put, nput);
+	ok(optla_write_file_(ctx, path, bytes, count));
+	optla_free(ctx, data);
+}
+
+START_TEST(what_hdf5_would_trust_too_much)
+{
+	optla_ctx *ctx = test_ctx(&errors, 1);
+	optla_h5 *f;
+	optla_block b;
+	const float x[4] = {1, 2, 3, 4};
+	char wanted[256];
+	/* A pair {r, i} of which the whole is said to be longer than its parts. */
+	ok(optla_h5_create_(ctx, path, "test", &f));
+	ok(optla_h5_put_(f, "x", (optla_cblock){x, 2, 1, 2, OPTLA_C32}, "J", "x"));
+	ok(optla_h5_finish_(&f, true));
+	patch(ctx, "\x16\2\0\0\x8\0\0\0r", 9, 4, "\xc", 1); /* class and version, two members, size */
+	ok(optla_h5_open_(ctx, path, "test", &f));
+	status_is(optla_h5_get_(f, "x", OPTLA_C32, &b), OPTLA_ERR_INPUT);
+	ck_assert_ptr_null(b.data);
+	snprintf(wanted, sizeof wanted,
+	         "%s: 'x' holds neither integers, floats, booleans nor complex numbers (a compound of two floats r and i)", path);
+	ck_assert_str_eq(errors.text, wanted);
+	optla_h5_close_(&f);
+	/* A block of driver information, which HDF5 reads in the length that it claims itself. */
+	patch(ctx, "\x89HDF", 4, 48, "\0\1\0\0\0\0\0\0", 8);
+	status_is(optla_h5_open_(ctx, path, "test", &f), OPTLA_ERR_INPUT);
+	snprintf(wanted, sizeof wanted, "%s: is one of the files of a split HDF5 file, or damaged", path);
+	ck_assert_str_eq(errors.text, wanted);
+	optla_ctx_destroy(&ctx);
+}
+END_TEST
+
 START_TEST(any_prefix_of_a_file_is_refused_or_read)
 {
 	optla_ctx *ctx = test_ctx(&errors, 1);
@@ -530,6 +572,7 @@ static Suite *suite(void)
 	tcase_add_test(c, refusals_name_file_and_dataset);
 	tcase_add_test(c, a_dataset_over_the_memory_limit_is_refused);
 	tcase_add_test(c, values_in_another_file_are_not_followed);
+	tcase_add_test(c, what_hdf5_would_trust_too_much);
 	tcase_add_test(c, any_prefix_of_a_file_is_refused_or_read);
 	tcase_add_loop_test(c, a_full_disk_leaves_the_old_file, 0, 2);
 	tcase_add_test(c, giving_up_leaves_nothing);

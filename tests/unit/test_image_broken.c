@@ -106,6 +106,23 @@ START_TEST(every_shorter_file_of_our_own_is_an_error)
 }
 END_TEST
 
+START_TEST(a_png_chunk_is_no_longer_than_the_file)
+{
+	/* libpng would take the 2 GiB that a text claims before it looks whether they are there. */
+	error_store e = {0};
+	optla_ctx *ctx = small_ctx(&e);
+	size_t count;
+	uint8_t *bytes = golden("grey8.png", &count);
+	memcpy(bytes + 33, "\x7e\0\0\0tEXt", 8); /* behind the signature and IHDR */
+	status_is(decode(ctx, bytes, count, "grey8.png"), OPTLA_ERR_INPUT);
+	char wanted[128];
+	snprintf(wanted, sizeof wanted, "grey8.png: PNG: a chunk of 2113929216 bytes, of which %zu are there", count - 45);
+	ck_assert_str_eq(e.text, wanted);
+	free(bytes);
+	optla_ctx_destroy(&ctx);
+}
+END_TEST
+
 /* Any byte changed to some other values: no crash and no read outside (under the sanitizer); PNG notices every change. */
 START_TEST(damaged_bytes_do_no_harm)
 {
@@ -354,6 +371,7 @@ int main(void)
 	tcase_set_timeout(t, 120);
 	tcase_add_loop_test(t, every_shorter_file_is_an_error, 0, FILES);
 	tcase_add_test(t, every_shorter_file_of_our_own_is_an_error);
+	tcase_add_test(t, a_png_chunk_is_no_longer_than_the_file);
 	tcase_add_loop_test(t, damaged_bytes_do_no_harm, 0, FILES);
 	tcase_add_test(t, sizes_that_cannot_be_are_refused_before_memory_is_taken);
 	tcase_add_test(t, tiff_sizes_that_cannot_be_are_refused);
