@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Puts the corner's T together: direct light, and the indirect light of all its patches. */
+#include "math/dense.h"
 #include "render/corner_impl.h"
 #include "render/radiosity.h"
 
@@ -16,22 +17,28 @@ size_t optla_corner_nlights_(const optla_corner_desc *d)
 	return p->width * p->height;
 }
 
-/* All that one channel's indirect light needs. */
+/* All that indirect light needs. */
 typedef struct {
 	size_t npatches, npixels, nlights;
-	optla_gather view, flux; /* W_c and Φ */
-	double *exchange, *kernel, *area, *albedo, *exitance;
+	optla_pieces camera, projector;
+	double *exchange, *area, *albedo;
+	double *gather;   /* npatches x npixels */
+	double *flux;     /* npatches x nlights */
+	double *exitance; /* npatches x nlights */
+	double *light;    /* npixels x nlights */
 } indirect;
 
 static void indirect_free(optla_ctx *ctx, indirect *s)
 {
+	optla_free(ctx, s->light);
 	optla_free(ctx, s->exitance);
+	optla_free(ctx, s->flux);
+	optla_free(ctx, s->gather);
 	optla_free(ctx, s->albedo);
 	optla_free(ctx, s->area);
-	optla_free(ctx, s->kernel);
 	optla_free(ctx, s->exchange);
-	optla_gather_free_(ctx, &s->flux);
-	optla_gather_free_(ctx, &s->view);
+	optla_pieces_free_(ctx, &s->projector);
+	optla_pieces_free_(ctx, &s->camera);
 }
 
 static optla_status indirect_create(optla_ctx *ctx, const optla_corner *c, indirect *s)
@@ -41,49 +48,44 @@ static optla_status indirect_create(optla_ctx *ctx, const optla_corner *c, indir
 	s->npixels = optla_corner_npixels_(c->desc);
 	s->nlights = optla_corner_nlights_(c->desc);
 	s->exchange = optla_array_(ctx, n, n * sizeof(double));
-	s->kernel = optla_array_(ctx, n, n * sizeof(double));
 	s->area = optla_array_(ctx, n, sizeof(double));
 	s->albedo = optla_array_(ctx, n, sizeof(double));
-	s->exitance = optla_array_(ctx, n, s->nlights * sizeof(double));
-	if (!s->exchange || !s->kernel || !s->area || !s->albedo || !s->exitance) return OPTLA_ERR_NOMEM;
-	for (size_t k = 0; k < n; k++) s->area[k] = 1 / ((double)c->patches * (double)c->patches);
-	OPTLA_TRY(optla_corner_view_(ctx, c, &c->camera, c->pupil_m2 / PI, &s->view));
-	OPTLA_TRY(c->desc->screen_given ? optla_screen_flux_(ctx, c, &s->flux)
-	                                : optla_corner_view_(ctx, c, &c->projector, c->full_power, &s->flux));
-	return optla_corner_exchange_(ctx, c, s->exchange);
+	s->gather = optla_array_(ctx, s->npixels, n * sizeof(double));
+	s->flux = optla_array_(ctx, s->nlights, n * sizeof(double));
+	s->exitance = optla_array_(ctx, s->nlights, n * sizeof(double));
+	s->light = optla_array_(ctx, s->nlights, s->npixels * sizeof(double));
+	if (!s->exchange || !s->area || !s->albedo || !s->gather || !s->flux || !s->exitance || !s->light) return OPTLA_ERR_NOMEM;
+	for (size_t k = 0; k < n; k++) s->area[k] = optla_patch_area_(c);
+	optla_corner_exchange_(ctx, c, s->exchange);
+	OPTLA_TRY(optla_pieces_cut_(ctx, c, &c->camera, &s->camera));
+	return c->desc->screen_given ? OPTLA_OK : optla_pieces_cut_(ctx, c, &c->projector, &s->projector);
 }
 
-/* t += W_cᵀ G Φ, column by column. */
-static void add_indirect(optla_ctx *ctx, const indirect *s, double *t, size_t ld)
+/* t += A_c/π V_cᵀ B, B the exitance of patches that the light (of a projector: its first scattering) falls on. */
+static optla_status add_patches(optla_ctx *ctx, const optla_corner *c, indirect *s, size_t channel, double *t)
 {
-	const int threads = optla_ctx_threads(ctx);
-#pragma omp parallel for num_threads(threads) schedule(static)
-	for (size_t n = 0; n < s->nlights; n++) {
-		double *b = s->exitance + n * s->npatches, *column = t + n * ld;
-		memset(b, 0, s->npatches * sizeof *b);
-		for (size_t k = s->flux.start[n]; k < s->flux.start[n + 1]; k++) {
-			const double *g = s->kernel + s->flux.patch[k] * s->npatches, joule = s->flux.weight[k];
-			for (size_t i = 0; i < s->npatches; i++) b[i] += joule * g[i];
-		}
-		for (size_t m = 0; m < s->npixels; m++) {
-			double sum = 0;
-			for (size_t k = s->view.start[m]; k < s->view.start[m + 1]; k++) sum += s->view.weight[k] * b[s->view.patch[k]];
-			column[m] += sum;
-		}
-	}
+	const size_t n = s->npatches, per_wall = c->patches * c->patches;
+	for (size_t k = 0; k < n; k++) s->albedo[k] = c->desc->albedo[c->walls[k / per_wall]][channel];
+	if (c->desc->screen_given)
+		optla_screen_flux_(ctx, c, s->flux);
+	else
+		optla_corner_gather_(ctx, c, &s->projector, s->nlights, channel, c->full_power, s->flux);
+	OPTLA_TRY(optla_radiosity_solve_(ctx, s->exchange, s->area, s->albedo, n, s->flux, s->nlights, s->exitance));
+	optla_corner_gather_(ctx, c, &s->camera, s->npixels, channel, c->pupil_m2 / PI, s->gather);
+	OPTLA_TRY(optla_dense_apply_(ctx, OPTLA_TRANSPOSE, optla_cblock_(s->gather, n, s->npixels, OPTLA_F64),
+	                             optla_cblock_(s->exitance, n, s->nlights, OPTLA_F64),
+	                             optla_block_(s->light, s->npixels, s->nlights, OPTLA_F64)));
+	for (size_t k = 0; k < s->nlights; k++)
+		for (size_t m = 0; m < s->npixels; m++) t[(k * 3 + channel) * s->npixels + m] += s->light[k * s->npixels + m];
+	return optla_check_cancel_(ctx);
 }
 
 static optla_status indirect_light(optla_ctx *ctx, const optla_corner *c, double *t)
 {
 	indirect s = {0};
 	optla_status status = indirect_create(ctx, c, &s);
-	for (size_t channel = 0; channel < 3 && !status; channel++) {
-		const size_t per_wall = c->patches * c->patches;
-		for (size_t k = 0; k < s.npatches; k++) s.albedo[k] = c->desc->albedo[c->walls[k / per_wall]][channel];
-		status = optla_radiosity_kernel_(ctx, s.exchange, s.area, s.albedo, s.npatches, s.kernel);
-		if (!status) add_indirect(ctx, &s, t + channel * s.npixels, 3 * s.npixels);
-		if (!status) status = optla_check_cancel_(ctx);
-	}
+	if (!status && !c->desc->screen_given) status = optla_corner_bounce_(ctx, c, &s.camera, &s.projector, t);
+	for (size_t channel = 0; channel < 3 && !status; channel++) status = add_patches(ctx, c, &s, channel, t);
 	indirect_free(ctx, &s);
 	return status;
 }

@@ -6,11 +6,14 @@
  * the camera's pupil through pixel m. Like a real projector of uniform radiance its pixels fall off as the camera's do, by
  * cos⁴: W_n ~ ∫ cos⁴α du / f². That makes a coaxial T symmetric: reciprocity without a factor.
  *
- *     direct     T = A_c ∫ ρ/π · E_n(x(u)) · cos⁴α_c / f_c² du,   E_n(x) = I_n cosθ / r²      over the part of pixel m that n lights
- *     indirect   T = A_c/π · W_cᵀ G Φ                            W_c[b, m] = ∫ cos⁴α_c / f_c² du  over pixel m ∩ patch b
+ *     direct   T = A_c ∫ ρ/π · E_n(x(u)) · cos⁴α_c / f_c² du,   E_n(x) = I_n cosθ / r²         over the part of pixel m that n lights
+ *     bounce   T = A_c ∫∫ ρ/π · ρ cosθ cosθ' / (π r²) · dΦ_n · cos⁴α_c / f_c² du            light that two walls scatter in turn
+ *     rest     T = A_c/π · V_cᵀ (I - R F)⁻¹ R A⁻¹ V_p                                       light that patches scatter in between
  *
- * A_c: area of the pupil; Φ[a, n]: energy of pixel n that falls on patch a; G: render/radiosity.h. The direct part is exact to
- * quadrature of degree 5 on pieces smaller than a pixel; indirect light is constant over each of patches² squares of a wall.
+ * A_c: area of the pupil. V: light between the points of a pixel and each patch of the other walls, by closed form factors, with the
+ * points' albedo. Direct light is exact to quadrature of degree 5 on pieces smaller than a pixel; the bounce is a sum over pairs of
+ * pieces of pixels, finer where they are close; only the rest knows patches: patches² squares on each wall whose exitance is constant.
+ * A screen's light meets the patches first: T = direct + A_c/π · V_cᵀ (I - R F)⁻¹ R A⁻¹ Φ, Φ in closed form.
  */
 #ifndef OPTLA_CORNER_H
 #define OPTLA_CORNER_H

@@ -32,13 +32,11 @@ static double screen_exchange(double screen_x, const double y[2], const double z
 	                                : optla_exchange_perpendicular_(z, y, away, extent[1]);
 }
 
-optla_status optla_screen_flux_(optla_ctx *ctx, const optla_corner *c, optla_gather *g)
+void optla_screen_flux_(optla_ctx *ctx, const optla_corner *c, double *flux)
 {
 	const optla_screen_desc *s = &c->desc->screen;
 	const size_t nlights = s->width * s->height, np = c->npatches;
 	const double area = screen_area(s);
-	double *flux = optla_array_(ctx, np, nlights * sizeof *flux);
-	if (!flux) return OPTLA_ERR_NOMEM;
 	const int threads = optla_ctx_threads(ctx);
 #pragma omp parallel for num_threads(threads) schedule(static)
 	for (size_t n = 0; n < nlights; n++) {
@@ -49,10 +47,6 @@ optla_status optla_screen_flux_(optla_ctx *ctx, const optla_corner *c, optla_gat
 			flux[n * np + a] = screen_exchange(s->x_m, y, z, wall, (const double(*)[2])extent) / area;
 		}
 	}
-	optla_status status = OPTLA_OK;
-	for (size_t k = 0; k < np * nlights && !status; k++) status = optla_gather_add_(ctx, g, k / np, k % np, flux[k]);
-	optla_free(ctx, flux);
-	return status ? status : optla_gather_finish_(ctx, g, nlights);
 }
 
 /* Form factor from a wall point to the screen up to (y, z): sums over a patch's corners with alternating signs give the patch's. */

@@ -4,7 +4,6 @@
 #include "render/form_factor.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #define PI 3.14159265358979323846
@@ -57,6 +56,8 @@ int optla_patch_extent_(const optla_corner *c, size_t patch, double extent[2][2]
 	return c->walls[patch / (n * n)];
 }
 
+double optla_patch_area_(const optla_corner *c) { return 1 / ((double)c->patches * (double)c->patches); }
+
 optla_polygon optla_wall_seen_(const optla_pinhole *p, int wall, const double extent[2][2])
 {
 	static const int order[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
@@ -79,85 +80,25 @@ void optla_wall_hit_(const optla_pinhole *p, int wall, const double uv[2], doubl
 	world_m[a] = 0;
 }
 
-/* Patches of two walls: distance index from their common edge (either), and difference along it. All pairs of walls share it. */
-static optla_status edge_table(optla_ctx *ctx, size_t n, double **table)
+/* A_i F_ij of two patches: each one's extent away from the edge that their walls share, and along it. */
+static double exchange(const optla_corner *c, size_t i, size_t j)
 {
-	*table = optla_array_(ctx, n, n * n * sizeof **table);
-	if (!*table) return OPTLA_ERR_NOMEM;
-	const double h = 1 / (double)n;
-	const double origin[2] = {0, h};
-	double *out = *table;
+	double e[2][2][2], world[2][3][2];
+	const int wall[2] = {optla_patch_extent_(c, i, e[0]), optla_patch_extent_(c, j, e[1])};
+	if (wall[0] == wall[1]) return 0;
+	for (int k = 0; k < 2; k++)
+		for (int axis = 0; axis < 2; axis++) memcpy(world[k][optla_wall_axes_[wall[k]][axis]], e[k][axis], sizeof e[k][axis]);
+	const int away[2] = {optla_wall_normal_[wall[1]], optla_wall_normal_[wall[0]]}, along = 3 - away[0] - away[1];
+	return optla_exchange_perpendicular_(world[0][away[0]], world[0][along], world[1][away[1]], world[1][along]);
+}
+
+void optla_corner_exchange_(optla_ctx *ctx, const optla_corner *c, double *exchange_m2)
+{
+	const size_t n = c->npatches;
 	const int threads = optla_ctx_threads(ctx);
-#pragma omp parallel for num_threads(threads) schedule(static)
-	for (size_t k = 0; k < n * n; k++) {
-		const size_t i = k / n, j = k % n;
-		const double a1[2] = {(double)i * h, (double)(i + 1) * h}, a2[2] = {(double)j * h, (double)(j + 1) * h};
-		for (size_t d = 0; d < n; d++) {
-			const double b2[2] = {(double)d * h, (double)(d + 1) * h};
-			/* i <= j as given: the same sum for both orders makes the exchange symmetric to the bit */
-			out[k * n + d] =
-			    i <= j ? optla_exchange_perpendicular_(a1, origin, a2, b2) : optla_exchange_perpendicular_(a2, origin, a1, b2);
-		}
+#pragma omp parallel for num_threads(threads) schedule(dynamic, 16)
+	for (size_t j = 0; j < n; j++) {
+		exchange_m2[j * n + j] = 0;
+		for (size_t i = 0; i < j; i++) exchange_m2[j * n + i] = exchange_m2[i * n + j] = exchange(c, i, j);
 	}
-	return OPTLA_OK;
-}
-
-/* Index of a patch along a world axis, -1 for its wall's normal. */
-static void patch_cell(const optla_corner *c, size_t patch, long cell[3])
-{
-	const size_t n = c->patches, k = patch % (n * n);
-	const int w = c->walls[patch / (n * n)];
-	cell[optla_wall_normal_[w]] = -1;
-	cell[optla_wall_axes_[w][0]] = (long)(k % n);
-	cell[optla_wall_axes_[w][1]] = (long)(k / n);
-}
-
-static double exchange(const optla_corner *c, const double *table, size_t i, size_t j)
-{
-	const size_t n = c->patches;
-	const int wi = c->walls[i / (n * n)], wj = c->walls[j / (n * n)];
-	if (wi == wj) return 0;
-	long a[3], b[3];
-	patch_cell(c, i, a);
-	patch_cell(c, j, b);
-	const int away_i = optla_wall_normal_[wj], away_j = optla_wall_normal_[wi], along = 3 - away_i - away_j;
-	const size_t d = (size_t)labs(a[along] - b[along]);
-	return table[((size_t)a[away_i] * n + (size_t)b[away_j]) * n + d];
-}
-
-optla_status optla_corner_exchange_(optla_ctx *ctx, const optla_corner *c, double *exchange_m2)
-{
-	double *table;
-	OPTLA_TRY(edge_table(ctx, c->patches, &table));
-	const int threads = optla_ctx_threads(ctx);
-#pragma omp parallel for num_threads(threads) schedule(static)
-	for (size_t j = 0; j < c->npatches; j++)
-		for (size_t i = 0; i < c->npatches; i++) exchange_m2[j * c->npatches + i] = exchange(c, table, i, j);
-	optla_free(ctx, table);
-	return OPTLA_OK;
-}
-
-typedef struct {
-	optla_ctx *ctx;
-	optla_gather *gather;
-	size_t patch;
-	double scale;
-} view_sink;
-
-static optla_status add_piece(void *user, size_t pixel, double value)
-{
-	const view_sink *s = user;
-	return optla_gather_add_(s->ctx, s->gather, pixel, s->patch, s->scale * value);
-}
-
-optla_status optla_corner_view_(optla_ctx *ctx, const optla_corner *c, const optla_pinhole *p, double scale, optla_gather *g)
-{
-	for (size_t patch = 0; patch < c->npatches; patch++) {
-		double extent[2][2];
-		const int wall = optla_patch_extent_(c, patch, extent);
-		const optla_polygon seen = optla_wall_seen_(p, wall, (const double(*)[2])extent);
-		view_sink s = {ctx, g, patch, scale};
-		OPTLA_TRY(optla_pinhole_scan_(p, &seen, optla_pupil_weight_, p, add_piece, &s));
-	}
-	return optla_gather_finish_(ctx, g, p->width * p->height);
 }

@@ -7,15 +7,15 @@
 #include "base/base_impl.h"
 
 /**
- * Indirect exitance of each patch for one watt that falls directly on another: with R albedo, A areas, F form factors,
+ * Exitance of patches of which some are lit from outside: with R albedo, A areas, F form factors,
  *
- *     G = (I - R F)⁻¹ R F R A⁻¹ ,     exitance_i = sum_j G_ij watt_j        (1/m², n x n, column-major)
+ *     B = (I - R F)⁻¹ R A⁻¹ Φ        (W/m²)
  *
- * which leaves out the first, direct reflection. G is symmetric, and comes out so to the bit.
  * @param exchange_m2 A F, symmetric n x n. @param albedo n values in [0, 1].
- * @return OPTLA_ERR_NOMEM; OPTLA_ERR_ARG when no light ever leaves (closed box of albedo 1).
+ * @param flux_w Φ, n x count, column-major: watts from outside on each patch. @param exitance_w_m2 B, n x count.
+ * @return OPTLA_ERR_NOMEM; OPTLA_ERR_ARG when light never leaves (closed box of albedo 1).
  */
-optla_status optla_radiosity_kernel_(optla_ctx *ctx, const double *exchange_m2, const double *area_m2, const double *albedo,
-                                     size_t n, double *kernel);
+optla_status optla_radiosity_solve_(optla_ctx *ctx, const double *exchange_m2, const double *area_m2, const double *albedo,
+                                    size_t n, const double *flux_w, size_t count, double *exitance_w_m2);
 
 #endif
