@@ -16,7 +16,7 @@ help:
 	@echo 'make test       build and pass the tests; test-all: the slow statistics as well'
 	@echo 'make bench      all benchmarks, as JSON lines in $(BUILD)/bench/'
 	@echo 'make install    to PREFIX=$(PREFIX), below DESTDIR if given; uninstall takes it away'
-	@echo 'make docs man   reference of the headers (Doxygen) in $(BUILD)/docs/html/, manual pages in $(BUILD)/man/'
+	@echo 'make docs man   reference of the headers (Doxygen) in $(BUILD)/docs/html/, manual pages in $(BUILD)/docs/'
 	@echo 'make format     lay out the sources; check-format: only look; check: format, folder order, wording'
 	@echo 'make asan       the tests under address and undefined behaviour sanitizers; fuzz: fuzz the readers of files'
 	@echo 'make clean      take away $(BUILD)/, build-*/ and out/'
@@ -61,7 +61,7 @@ docs:
 	@echo 'The reference is file://$(CURDIR)/$(BUILD)/docs/html/index.html'
 
 man: build
-	@ls $(BUILD)/man/*.1
+	@ls $(BUILD)/docs/*.1
 
 format:
 	@scripts/format.sh

@@ -40,6 +40,7 @@ libclang-rt-14-dev file:/usr/lib/llvm-14/lib/clang/*/lib/linux/libclang_rt.fuzze
 libomp-dev         file:/usr/lib/llvm-14/lib/libomp.so
 clang-format       cmd:clang-format
 doxygen            cmd:doxygen
+mandoc             cmd:mandoc
 '
 
 there() {
