@@ -42,6 +42,8 @@ run_target() {
 	mkdir -p "$corpus"
 	local folders=("$corpus" "$build/seeds/$name")
 	[ -d "$known" ] && folders+=("$known")
+	# Files of other programs: compressions and layouts that Optla doesn't write.
+	[[ $name =~ ^fuzz_(png|tiff|exr|pfm|raw|npy)$ ]] && folders+=(tests/golden)
 	# The corpus of earlier runs is kept in BUILD_DIR/corpus, so that a longer search goes on where the last one ended.
 	if "$build/tests/fuzz/$name" -max_total_time="$seconds" -timeout=10 -rss_limit_mb=2048 -malloc_limit_mb=1024 -max_len=65536 \
 		-print_final_stats=1 -artifact_prefix="$build/findings/$name-" "${folders[@]}" >"$log" 2>&1; then
