@@ -255,6 +255,78 @@ START_TEST(misfits_are_refused)
 }
 END_TEST
 
+/* ---- from a Krylov run ---- */
+
+/* Relit pictures are those of D Pᵀ, and at full rank those of T; photos, duals and costs come along. */
+static void check_krylov_model(optla_krylov_method method, bool high)
+{
+	optla_ctx *ctx = test_ctx(NULL, 2);
+	optla_rig *rig;
+	ok(optla_rig_corner(ctx, 8, 4, false, &rig));
+	optla_rig_info info;
+	optla_rig_get_info(rig, &info);
+	optla_rig_operator_options o = optla_rig_operator_defaults;
+	o.type = OPTLA_F64;
+	o.channel = high ? OPTLA_CHANNEL_ALL : OPTLA_CHANNEL_GREY;
+	optla_op *photos, *truth, *grey = NULL, *mean = NULL;
+	ok(optla_rig_operator(rig, &o, &photos));
+	ok(optla_rig_truth(rig, o.channel, &truth));
+	const size_t channels = high ? info.channels : 1, nrows = info.npixels * channels, nlights = info.nlights;
+	if (high) { /* the mean of the channels (section 2.4) */
+		double *average = calloc(info.npixels * nrows, sizeof *average);
+		for (size_t k = 0; k < nrows; k++) average[k * info.npixels + k % info.npixels] = 1 / (double)channels;
+		o.channel = OPTLA_CHANNEL_GREY;
+		ok(optla_rig_operator(rig, &o, &grey));
+		ok(optla_op_dense(ctx, optla_cblock_(average, info.npixels, nrows, OPTLA_F64), true, &mean));
+		free(average);
+	}
+	optla_krylov_options ko = optla_krylov_defaults;
+	ko.iterations = (int)nlights;
+	ko.tolerance = 0;
+	const optla_krylov_problem problem = {
+	    .size = sizeof problem, .op = high ? grey : photos, .high = high ? photos : NULL, .reduce = mean};
+	optla_krylov *run;
+	ok(optla_krylov_create(&problem, method, &ko, &run));
+	ok(optla_krylov_run(run));
+	optla_model *m;
+	ok(optla_model_from_krylov(rig, run, &m));
+	ck_assert(m->channels == channels && m->nlights == nlights && m->rank == optla_krylov_get_info(run).rank);
+	ck_assert_uint_eq(m->photos_taken, optla_krylov_get_info(run).photos);
+	ck_assert(m->photos_taken > 0 && m->exposure_s > 0);
+	ck_assert(high == (NULL != m->thumbnails));
+	ck_assert_ptr_nonnull(m->dual_light);
+	ck_assert_uint_eq(m->nthumb, info.npixels);
+	double *p = calloc(nlights, sizeof *p), *i = malloc(nrows * sizeof *i), *got = malloc(nrows * sizeof *got);
+	float *light = malloc(nlights * sizeof *light), *relit = malloc(nrows * sizeof *relit);
+	ok(optla_model_light_vector(m, "light:3,9=0.5", 1, p));
+	for (size_t n = 0; n < nlights; n++) light[n] = (float)p[n];
+	ok(optla_relight(m, light, 1, relit));
+	ok(optla_op_apply(truth, OPTLA_FORWARD, optla_cblock_(p, nlights, 1, OPTLA_F64), optla_block_(i, nrows, 1, OPTLA_F64)));
+	for (size_t k = 0; k < nrows; k++) got[k] = (double)relit[k];
+	near_array(got, i, nrows, 1e-5); /* T has full rank here; the model holds floats: sums of 16 terms */
+	free(p);
+	free(i);
+	free(got);
+	free(light);
+	free(relit);
+	optla_model_destroy(&m);
+	optla_krylov_destroy(&run);
+	optla_op_unref(&photos);
+	optla_op_unref(&truth);
+	optla_op_unref(&grey);
+	optla_op_unref(&mean);
+	optla_rig_destroy(&rig);
+	optla_ctx_destroy(&ctx);
+}
+
+START_TEST(models_of_krylov_runs)
+{
+	check_krylov_model(OPTLA_KRYLOV_ARNOLDI, false);
+	check_krylov_model(OPTLA_KRYLOV_SVD, false);
+	check_krylov_model(OPTLA_KRYLOV_ARNOLDI, true);
+}
+END_TEST
+
 /* ---- files ---- */
 
 /* Gives a model everything that a Krylov run may leave. */
@@ -539,6 +611,7 @@ int main(void)
 	tcase_add_test(products, dual_photo_is_the_transpose);
 	tcase_add_test(products, pictures_and_lights_of_a_model);
 	tcase_add_test(products, misfits_are_refused);
+	tcase_add_test(products, models_of_krylov_runs);
 	tcase_add_test(products, montage_shows_signs_where_they_are);
 	tcase_add_checked_fixture(files, make_folder, remove_folder);
 	tcase_add_test(files, save_and_load);
