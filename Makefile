@@ -33,7 +33,7 @@ build: deps
 
 demo: build
 	@mkdir -p out
-	$(BUILD)/tools/optla demo -o out/demo
+	$(BUILD)/tools/optla demo $(if $(wildcard ../shared/data/diligent-ball),--data ../shared/data) -o out/demo
 	@echo 'The page is file://$(CURDIR)/out/demo/index.html'
 
 test: build

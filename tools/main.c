@@ -13,8 +13,8 @@
 #include <time.h>
 #include <unistd.h>
 
-const cli_verb *const cli_verbs[] = {&cli_verb_krylov,    &cli_verb_relight, &cli_verb_invert, &cli_verb_dual,
-                                     &cli_verb_reproduce, &cli_verb_info,    &cli_verb_compare};
+const cli_verb *const cli_verbs[] = {&cli_verb_demo, &cli_verb_krylov,    &cli_verb_relight, &cli_verb_invert,
+                                     &cli_verb_dual, &cli_verb_reproduce, &cli_verb_info,    &cli_verb_compare};
 const size_t cli_verbs_count = CLI_COUNT(cli_verbs);
 
 enum { EXIT_DONE, EXIT_NOT_DONE, EXIT_WRONG_INPUT };

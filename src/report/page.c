@@ -185,22 +185,18 @@ static optla_status add_figure(optla_text *nav, optla_text *sections, const char
 	return s;
 }
 
-optla_status optla_page_save_index_(optla_ctx *ctx, const char *out_dir)
+optla_status optla_page_save_(optla_ctx *ctx, const char *out_dir, const char *title, const char *intro_html,
+                              const optla_page_entry *entries, size_t count)
 {
 	optla_text nav = {.ctx = ctx}, sections = {.ctx = ctx}, page = {.ctx = ctx};
 	optla_status s = OPTLA_OK;
-	const char *id, *title;
-	for (size_t k = 0; OPTLA_OK == s && (id = optla_reproduce_id(k, &title)); k++)
-		s = add_figure(&nav, &sections, out_dir, id, title);
-	optla_text_add_(&page,
-	                "<!doctype html>\n<html lang=en><head><meta charset=utf-8>\n"
-	                "<meta name=viewport content=\"width=device-width,initial-scale=1\">\n<title>Optla: figures and tables"
-	                "</title>\n<style>\n%s</style></head>\n<body>\n<h1>Optla: figures and tables</h1>\n",
-	                style);
+	for (size_t k = 0; OPTLA_OK == s && k < count; k++) s = add_figure(&nav, &sections, out_dir, entries[k].id, entries[k].title);
 	optla_text_add_(
-	    &page, "<p>Experiments of the thesis <em>Optical Linear Algebra for Computational Light Transport</em> (M. O'Toole), "
-	           "run again with Optla. Each section says what was done, shows what came out, and ends with its numbers: ours, "
-	           "the thesis' where it gives one, the range that is allowed and where that range comes from.</p>\n<nav><table>\n");
+	    &page,
+	    "<!doctype html>\n<html lang=en><head><meta charset=utf-8>\n"
+	    "<meta name=viewport content=\"width=device-width,initial-scale=1\">\n<title>%s</title>\n<style>\n%s</style></head>\n"
+	    "<body>\n<h1>%s</h1>\n<p>%s</p>\n<nav><table>\n",
+	    title, style, title, intro_html);
 	if (nav.data) optla_text_add_bytes_(&page, nav.data, nav.count);
 	optla_text_add_(&page, "</table></nav>\n");
 	if (sections.data) optla_text_add_bytes_(&page, sections.data, sections.count);
@@ -210,5 +206,23 @@ optla_status optla_page_save_index_(optla_ctx *ctx, const char *out_dir)
 	optla_text_free_(&nav);
 	optla_text_free_(&sections);
 	optla_text_free_(&page);
+	return s;
+}
+
+optla_status optla_page_save_index_(optla_ctx *ctx, const char *out_dir)
+{
+	size_t count = 0;
+	while (optla_reproduce_id(count, NULL)) count++;
+	optla_page_entry *entries = optla_array_(ctx, count, sizeof *entries);
+	if (!entries) return OPTLA_ERR_NOMEM;
+	for (size_t k = 0; k < count; k++) entries[k].id = optla_reproduce_id(k, &entries[k].title);
+	const optla_status s = optla_page_save_(ctx, out_dir, "Optla: figures and tables",
+	                                        "Experiments of the thesis <em>Optical Linear Algebra for Computational Light "
+	                                        "Transport</em> (M. O'Toole), run again with "
+	                                        "Optla. Each section says what was done, shows what came out, and ends with its "
+	                                        "numbers: ours, the thesis' where it gives "
+	                                        "one, the range that is allowed and where that range comes from.",
+	                                        entries, count);
+	optla_free(ctx, entries);
 	return s;
 }

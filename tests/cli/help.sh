@@ -6,7 +6,7 @@
 verbs=$("$OPTLA" help | sed -n '/^Verbs:/,/^$/s/^  \([a-z]*\) .*/\1/p')
 
 every_verb_is_listed() {
-	for verb in krylov relight invert dual reproduce info compare; do
+	for verb in demo krylov relight invert dual reproduce info compare; do
 		echo "$verbs" | grep -qx "$verb" || { echo "'optla help' lacks $verb"; return 1; }
 	done
 }
