@@ -27,7 +27,8 @@ static const preset presets[] = {
       .black_level_dn = 1024,
       .full_well_e = 64600,
       .bits = 14}},
-    /* Basler's 12-bit CCD of the EMVA 1288 reference set 001, as optla_sensor_measure() finds it; the ADC clips before the well. */
+    /* Basler's 12-bit CCD of the EMVA 1288 reference set 001, as optla_sensor_measure() finds it. Its ADC clips at
+       14 600 e, before the well, of which nothing more can be known. */
     {"ccd-12bit",
      "12-bit machine-vision CCD, measured from the EMVA 1288 reference frames",
      {.size = sizeof(optla_sensor),
@@ -35,7 +36,7 @@ static const preset presets[] = {
       .gain_e_per_dn = 3.58,
       .read_noise_dn = 3.06,
       .black_level_dn = 14.7,
-      .full_well_e = 14660,
+      .full_well_e = 15000,
       .bits = 12}},
     /* A small-pixel video camera that hands out 8 linear bits: a well of 10 000 e spread over 240 counts. */
     {"video-8bit",
