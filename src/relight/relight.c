@@ -2,8 +2,7 @@
 /* New pictures from a captured transport: relighting (Eqs. 2.7, 2.10) and dual photos (Eq. 1.12). */
 #include "optla/relight.h"
 #include "math/dense.h"
-
-#include <math.h>
+#include "op/op_impl.h"
 
 optla_status optla_relight_combine(optla_ctx *ctx, const float *d, size_t nrows, size_t ld, size_t k, const float *c, float *y)
 {
@@ -18,9 +17,9 @@ static optla_status check_light(const optla_model *m, const float *p, size_t lig
 	OPTLA_CHECK(m->ctx, 1 == light_channels || m->channels == light_channels, OPTLA_ERR_ARG,
 	            "light of %zu channels for photos of %zu: give 1 (white) or as many as the photos have", light_channels,
 	            m->channels);
-	for (size_t n = 0; n < m->nlights * light_channels; n++)
-		OPTLA_CHECK(m->ctx, isfinite(p[n]), OPTLA_ERR_ARG, "light %zu, channel %zu has power %g", n % m->nlights, n / m->nlights,
-		            (double)p[n]);
+	const size_t n = optla_first_not_finite_(p, m->nlights * light_channels, true);
+	OPTLA_CHECK(m->ctx, n == m->nlights * light_channels, OPTLA_ERR_ARG, "light %zu, channel %zu has power %g", n % m->nlights,
+	            n / m->nlights, (double)p[n]);
 	return OPTLA_OK;
 }
 
@@ -45,8 +44,8 @@ optla_status optla_relight(const optla_model *m, const float *p, size_t light_ch
 optla_status optla_dual(const optla_model *m, const float *r, float *s)
 {
 	const size_t nrows = m->npixels * m->channels;
-	for (size_t k = 0; k < nrows; k++)
-		OPTLA_CHECK(m->ctx, isfinite(r[k]), OPTLA_ERR_ARG, "camera sample %zu shines %g", k, (double)r[k]);
+	const size_t bad = optla_first_not_finite_(r, nrows, true);
+	OPTLA_CHECK(m->ctx, bad == nrows, OPTLA_ERR_ARG, "camera sample %zu shines %g", bad, (double)r[bad]);
 	float *c = optla_array_(m->ctx, m->rank, sizeof *c);
 	if (!c) return OPTLA_ERR_NOMEM;
 	const optla_block coordinates = optla_block_(c, m->rank, 1, OPTLA_F32);
