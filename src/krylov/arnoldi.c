@@ -47,6 +47,7 @@ static optla_status next_direction(optla_krylov *run)
 	const size_t k = run->k;
 	const optla_block w = optla_columns_mut_(run->p, k, 1);
 	if (k && run->energy[k - 1] == 0) return take_fresh(run);
+	if (!is_gmres(run) && k) run->residuals[k - 1] = k > 1 ? run->residuals[k - 2] : 1; /* until s_k is known, if ever */
 	bool within = true;
 	if (run->opt.symmetric)
 		optla_copy_column_(source(run), 0, w, 0);
