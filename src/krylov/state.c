@@ -207,10 +207,12 @@ optla_status optla_krylov_resume(const optla_krylov_problem *problem, const optl
 	if (!status) status = get_all(run, file, path);
 	if (!status) status = same_target(run, file, path);
 	optla_h5_close_(&file);
-	if (status)
+	if (status) {
 		optla_krylov_destroy(&run);
-	else
+	} else {
 		run->rank = run->k;
+		optla_krylov_judge_(run); /* it may have all that is asked for */
+	}
 	*out = run;
 	return status;
 }
