@@ -41,7 +41,7 @@ static optla_status check_problem(optla_ctx *ctx, const optla_krylov_problem *pr
 
 static bool allocate(optla_krylov *run, optla_block *b, size_t nrows, size_t ncols)
 {
-	*b = optla_block_(optla_calloc_(run->ctx, nrows * ncols, optla_scalar_bytes(run->type)), nrows, ncols, run->type);
+	*b = optla_block_(optla_calloc_(run->ctx, ncols, nrows * optla_scalar_bytes(run->type)), nrows, ncols, run->type);
 	return b->data;
 }
 
