@@ -127,7 +127,7 @@ static optla_status read_target(krylov_job *j)
 	return status;
 }
 
-/* The library takes the method from the file; the command line names it too, and may be mistaken. */
+/* The library takes the method from the file; the command line names it too, and may be mistaken. Photos to come get noise of their own. */
 static optla_status check_resumed(krylov_job *j)
 {
 	cli_h5_list list;
@@ -136,6 +136,8 @@ static optla_status check_resumed(krylov_job *j)
 	if (method && method->text && strcmp(method->text, j->method_name))
 		status = cli_fail(j->run, OPTLA_ERR_INPUT, "'%s' is a run of %s, it can't be resumed as %s", j->o.extra.resume,
 		                  method->text, j->method_name);
+	const cli_h5_attribute *taken = status ? NULL : cli_h5_find_attribute(&list, "photos_taken");
+	if (taken && !taken->text && taken->number >= 0 && taken->number < 0x1p53) j->o.op.first_readout = (uint64_t)taken->number;
 	cli_h5_list_clear(&list);
 	return status;
 }
@@ -145,11 +147,11 @@ static optla_status prepare(krylov_job *j)
 	OPTLA_TRY(cli_open_rig(j->run, j->run->arguments[1], &j->rig));
 	optla_rig_get_info(j->rig, &j->info);
 	if (!cli_given(j->run, "symmetric")) j->o.krylov.symmetric = j->info.symmetric;
+	if (j->o.extra.resume) OPTLA_TRY(check_resumed(j));
 	OPTLA_TRY(make_operators(j));
 	OPTLA_TRY(read_target(j));
 	const optla_krylov_problem problem = {
 	    .size = sizeof problem, .op = j->op, .high = j->high, .reduce = j->reduce, .target = j->target};
-	if (j->o.extra.resume) OPTLA_TRY(check_resumed(j));
 	if (j->o.extra.resume) return optla_krylov_resume(&problem, &j->o.krylov, j->o.extra.resume, &j->krylov);
 	return optla_krylov_create(&problem, j->method, &j->o.krylov, &j->krylov);
 }

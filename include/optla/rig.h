@@ -87,6 +87,8 @@ typedef struct {
 	double ambient;  /**< ambient light as a fraction of full_scale, uniform over pixels (Eq. 1.3's a) */
 	optla_split split;
 	uint64_t seed;
+	/** Number of the first photo's readout: a run that goes on from a file starts behind the photos taken, so that no noise is drawn twice. */
+	uint64_t first_readout;
 } optla_rig_operator_options;
 OPTLA_API extern const optla_rig_operator_options optla_rig_operator_defaults;
 OPTLA_API extern const optla_option_table optla_rig_operator_table;

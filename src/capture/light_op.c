@@ -36,7 +36,8 @@ static optla_status read_out(optla_light_op *o, size_t count, double energy_j, d
 {
 	/* T of a recording can be slightly negative (dark frames subtracted); light can't */
 	for (size_t m = 0; m < count; m++) o->energies[m] = energy_j * fmax(0, o->energies[m] + ambient);
-	OPTLA_TRY(optla_sensor_expose(o->ctx, &o->sensor, o->energies, count, o->options.seed, o->photos, o->raw_dn, NULL));
+	OPTLA_TRY(optla_sensor_expose(o->ctx, &o->sensor, o->energies, count, o->options.seed, o->options.first_readout + o->photos,
+	                              o->raw_dn, NULL));
 	optla_sensor_invert(&o->sensor, o->raw_dn, count, o->energies);
 	return OPTLA_OK;
 }

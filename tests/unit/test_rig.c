@@ -658,7 +658,7 @@ END_TEST
 START_TEST(noise_is_independent_of_threads_and_changes_with_photos)
 {
 	enum { M = 192, N = 36 };
-	double first[4 * M], y[4 * M], x[4 * N];
+	double first[4 * M], y[4 * M], later[4 * M], x[4 * N];
 	for (int k = 0; k < 4 * N; k++) x[k] = (k % 7) / 7.0 + 0.1 * (k / N);
 	const int threads[3] = {1, 2, 7};
 	for (int t = 0; t < 3; t++) {
@@ -675,6 +675,12 @@ START_TEST(noise_is_independent_of_threads_and_changes_with_photos)
 		memcpy(first, y, sizeof y);
 		ok(optla_op_apply(op, OPTLA_FORWARD, optla_cblock_(x, N, 4, OPTLA_F64), optla_block_(y, M, 4, OPTLA_F64)));
 		ck_assert_mem_ne(y, first, sizeof y); /* another readout */
+		optla_op *resumed;
+		o.first_readout = 4;
+		ok(optla_rig_light_operator(rig, &o, &resumed));
+		ok(optla_op_apply(resumed, OPTLA_FORWARD, optla_cblock_(x, N, 4, OPTLA_F64), optla_block_(later, M, 4, OPTLA_F64)));
+		ck_assert_mem_eq(later, y, sizeof y); /* goes on where the first four photos ended */
+		optla_op_unref(&resumed);
 		ck_assert(optla_op_flags(op) & OPTLA_OP_STOCHASTIC);
 		optla_op_unref(&op);
 		optla_rig_destroy(&rig);
