@@ -104,6 +104,7 @@ OPTLA_API extern const optla_option_table optla_rig_operator_table;
  * the projector's side has a sensor of the same kind with its own full power. Ambient light enters both directions.
  *
  * A column is one colour photo: each channel is read out with noise of its own, grey is their mean, and Tᵀ of all channels their sum.
+ * Saturated samples are clipped as a real sensor's; the first photo that has some is told of by a warning (level 0).
  * What a recording says to be darker than black (dark frames subtracted) is 0 to the sensor.
  */
 OPTLA_API optla_status optla_rig_light_operator(optla_rig *rig, const optla_rig_operator_options *options, optla_op **out);

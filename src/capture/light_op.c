@@ -36,8 +36,14 @@ static optla_status read_out(optla_light_op *o, size_t count, double energy_j, d
 {
 	/* T of a recording can be slightly negative (dark frames subtracted); light can't */
 	for (size_t m = 0; m < count; m++) o->energies[m] = energy_j * fmax(0, o->energies[m] + ambient);
+	size_t clipped;
 	OPTLA_TRY(optla_sensor_expose(o->ctx, &o->sensor, o->energies, count, o->options.seed, o->options.first_readout + o->photos,
-	                              o->raw_dn, NULL));
+	                              o->raw_dn, &clipped));
+	if (clipped && !o->told_of_clipping)
+		optla_log_(o->ctx, 0,
+		           "photo %llu: %zu of %zu samples are saturated, its product is too dark there: lower exposure or ambient light",
+		           (unsigned long long)(o->photos + 1), clipped, count);
+	o->told_of_clipping = o->told_of_clipping || clipped;
 	optla_sensor_invert(&o->sensor, o->raw_dn, count, o->energies);
 	return OPTLA_OK;
 }

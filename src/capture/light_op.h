@@ -20,6 +20,7 @@ typedef struct {
 	double energy_j[2]; /* noisy: of full power for one photo; [0] forward, [1] transpose */
 	double ambient[2];  /* a in the units of T1, of Tᵀ1 */
 	uint64_t photos;
+	bool told_of_clipping;
 	double last_noise;
 	double *in, *out; /* one column in the transport's type */
 	double *energies; /* noisy: one column of each channel */

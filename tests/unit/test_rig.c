@@ -619,10 +619,18 @@ START_TEST(light_operator_keeps_ambient_light_and_power)
 }
 END_TEST
 
+static void count_saturation(void *user, int level, const char *message)
+{
+	*(int *)user += level == 0 && strstr(message, "samples are saturated");
+}
+
 START_TEST(photos_fill_the_sensor_as_told)
 {
-	/* All lights on at full_scale s: the brightest pixel holds s of the capacity; at exposure 2/s it is clipped there. */
-	optla_ctx *ctx = test_ctx(NULL, 1);
+	/* All lights on at full_scale s: the brightest pixel holds s of the capacity; at exposure 2/s it is clipped there, and said to be. */
+	int warnings = 0;
+	const optla_ctx_desc desc = {.size = sizeof desc, .log = count_saturation, .log_user = &warnings, .threads = 1};
+	optla_ctx *ctx;
+	ok(optla_ctx_create(&ctx, &desc));
 	optla_rig *rig = corner(ctx);
 	enum { M = 64, N = 36 };
 	double ones[N], y[3 * M], clean[3 * M];
@@ -648,6 +656,8 @@ START_TEST(photos_fill_the_sensor_as_told)
 		/* exposure 4 at full scale 0.5: energies up to twice the capacity, clipped at half of T1's brightest.
 		   5 standard errors of a well of 60 000 e: 2 %; counts are whole: 1e-4 */
 		near_rel(largest, k ? brightest / 2 : brightest, k ? 1e-4 : 0.02);
+		ok(optla_op_apply(op, OPTLA_FORWARD, optla_cblock_(ones, N, 1, OPTLA_F64), optla_block_(y, 3 * M, 1, OPTLA_F64)));
+		ck_assert_int_eq(warnings, k); /* once for each operator, however many photos are clipped */
 		optla_op_unref(&op);
 	}
 	optla_rig_destroy(&rig);
