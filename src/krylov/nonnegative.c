@@ -14,6 +14,7 @@
    linear least squares problems with nonnegative variables, Mathematics of Computation 63 (1994). */
 #include "run.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -26,15 +27,16 @@ enum { PATIENCE = 3, MAX_EXCHANGES = 2000 };
 typedef struct {
 	optla_ctx *ctx;
 	size_t n, k;
-	double *p;     /* n x k */
-	double *m, *g; /* M = RᵀR - τ² I, k x k; Rᵀ Qᵀ i, k */
-	double *b;     /* P g: minus the gradient at zero, n */
-	double tau2;   /* τ² */
-	double *x, *y; /* solution and gradient H x - b, n */
-	bool *passive; /* n: x may be positive */
-	double *gram;  /* k x k: P_Fᵀ P_F */
-	double *small; /* k x k system */
-	double *v[3];  /* k each */
+	double *p;        /* n x k */
+	double *m, *g;    /* M = RᵀR - τ² I, k x k; Rᵀ Qᵀ i, k */
+	double *b;        /* P g: minus the gradient at zero, n */
+	double tau2;      /* τ² */
+	double condition; /* σ² / τ², σ the largest singular value of D */
+	double *x, *y;    /* solution and gradient H x - b, n */
+	bool *passive;    /* n: x may be positive */
+	double *gram;     /* k x k: P_Fᵀ P_F */
+	double *small;    /* k x k system */
+	double *v[3];     /* k each */
 } problem;
 
 /* out = M v */
@@ -121,14 +123,14 @@ static optla_status pivot(problem *q)
 {
 	size_t best = q->n + 1, last = 0;
 	int patience = PATIENCE;
-	const double y_dirt = 1e-12 * largest(q->b, q->n);
+	/* x comes from differences of numbers as large as b / τ², and an error e of x is one of σ² e in y. */
+	const double b = largest(q->b, q->n), x_dirt = 16 * DBL_EPSILON * b / q->tau2, y_dirt = 16 * DBL_EPSILON * b * q->condition;
 	for (int step = 0; step < MAX_EXCHANGES; step++) {
 		OPTLA_TRY(optla_check_cancel_(q->ctx));
 		OPTLA_TRY(solve_passive(q));
 		set_gradient(q);
-		const double x_dirt = 1e-12 * largest(q->x, q->n);
 		const size_t wrong = infeasible(q, x_dirt, y_dirt, &last);
-		if (wrong == 0) break;
+		if (wrong == 0) return OPTLA_OK;
 		const bool progress = wrong < best;
 		patience = progress ? PATIENCE : patience - 1;
 		if (progress) best = wrong;
@@ -137,6 +139,8 @@ static optla_status pivot(problem *q)
 			if (q->passive[i] ? q->x[i] < -x_dirt : q->y[i] < -y_dirt) q->passive[i] = !q->passive[i];
 		}
 	}
+	optla_log_(q->ctx, 0, "non-negative illumination: after %d exchanges the signs of %zu of %zu lights are still open",
+	           MAX_EXCHANGES, best, q->n);
 	return OPTLA_OK;
 }
 
@@ -149,6 +153,7 @@ static optla_status set_up(problem *q, const optla_krylov *run)
 	OPTLA_TRY(optla_svd_(q->ctx, q->small, k, k, q->v[0], NULL, NULL));
 	const double tau = fmax(q->v[0][k - 1], least_price * q->v[0][0]);
 	q->tau2 = tau * tau;
+	q->condition = q->tau2 > 0 ? q->v[0][0] * q->v[0][0] / q->tau2 : 1;
 	for (size_t a = 0; a < k; a++) {
 		q->g[a] = 0;
 		for (size_t j = 0; j <= a; j++) q->g[a] += q->small[a * k + j] * run->qt[j];
