@@ -119,7 +119,6 @@ static optla_status rig_rows(const cli_run *run, optla_rig *rig, const dual_verb
 static optla_status dual_rig(cli_run *run, const char *path)
 {
 	dual_verb_options o = *(const dual_verb_options *)run->options;
-	OPTLA_TRY(cli_take_sensor(run, &o.sensor, 0, &o.op));
 	optla_rig *rig = NULL;
 	OPTLA_TRY(cli_open_rig(run, path, &rig));
 	optla_rig_info info;
@@ -130,6 +129,8 @@ static optla_status dual_rig(cli_run *run, const char *path)
 	if (!info.has_transpose)
 		status = cli_fail(run, OPTLA_ERR_UNSUPPORTED,
 		                  "%s: this rig has no camera on the projector's side, it can't take a dual photo", path);
+	cli_default_sensor(&info, &o.sensor);
+	if (!status) status = cli_take_sensor(run, &o.sensor, 0, &o.op);
 	if (!status) status = s ? optla_rig_light_operator(rig, &o.op, &op) : OPTLA_ERR_NOMEM;
 	if (!status) {
 		r = optla_array_(run->ctx, optla_op_nrows(op), sizeof *r);

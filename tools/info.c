@@ -205,6 +205,7 @@ static void rig_numbers(cli_run *run, const optla_rig_info *i)
 	cli_number(run, "nphotos", (double)i->nphotos);
 	cli_number(run, "saturated_samples", (double)i->saturated_samples);
 	cli_number(run, "exposure_s", i->exposure_s);
+	cli_text(run, "sensor", i->sensor);
 }
 
 static optla_status info_rig(cli_run *run, const char *path)
@@ -226,7 +227,7 @@ static optla_status info_rig(cli_run *run, const char *path)
 	if (i.kind == OPTLA_RIG_RECORDED)
 		cli_say(run, "  photos     %zu; saturated samples in the mask %zu (%.3g %%)\n", i.nphotos, i.saturated_samples,
 		        100.0 * (double)i.saturated_samples / ((double)i.npixels * (double)i.channels * (double)i.nphotos));
-	cli_say(run, "  exposure   %g s\n", i.exposure_s);
+	cli_say(run, "  exposure   %g s; sensor %s\n", i.exposure_s, i.sensor ? i.sensor : "not named");
 	optla_rig_destroy(&rig);
 	return OPTLA_OK;
 }

@@ -152,6 +152,7 @@ static optla_status prepare(job *j)
 	OPTLA_TRY(cli_open_rig(run, run->arguments[0], &j->rig));
 	optla_rig_get_info(j->rig, &j->info);
 	OPTLA_TRY(cli_load_linear(run, j->o.invert.target, &j->target));
+	cli_default_sensor(&j->info, &j->o.sensor);
 	if (!cli_given(run, "symmetric")) j->o.krylov.symmetric = j->info.symmetric;
 	j->colours = j->target->channels == 3 && j->info.channels == 3 && !cli_given(run, "channel") ? 3 : 1;
 	j->lights = optla_calloc_(run->ctx, j->info.nlights * j->colours, sizeof *j->lights);
@@ -165,7 +166,7 @@ static void report(job *j)
 	const double error = sqrt(j->d2 / j->i2);
 	cli_text(run, "rig", run->arguments[0]);
 	cli_text(run, "target", j->o.invert.target);
-	cli_text(run, "sensor", j->o.op.sensor || j->o.sensor.sensor ? j->o.sensor.sensor : "none");
+	cli_text(run, "sensor", j->o.sensor.sensor ? j->o.sensor.sensor : "none");
 	cli_cost(run, j->photos, j->exposure_s);
 	cli_number(run, "iterations", j->iterations);
 	cli_number(run, "photos_saved", (double)j->saved);

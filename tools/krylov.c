@@ -146,6 +146,8 @@ static optla_status prepare(krylov_job *j)
 {
 	OPTLA_TRY(cli_open_rig(j->run, j->run->arguments[1], &j->rig));
 	optla_rig_get_info(j->rig, &j->info);
+	cli_default_sensor(&j->info, &j->o.sensor);
+	OPTLA_TRY(cli_take_sensor(j->run, &j->o.sensor, 0, &j->o.op));
 	if (!cli_given(j->run, "symmetric")) j->o.krylov.symmetric = j->info.symmetric;
 	if (j->o.extra.resume) OPTLA_TRY(check_resumed(j));
 	OPTLA_TRY(make_operators(j));

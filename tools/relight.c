@@ -63,10 +63,12 @@ static optla_status photograph(const cli_run *run, optla_rig *rig, const double 
 	optla_rig_info info;
 	optla_rig_get_info(rig, &info);
 	const size_t colours = light_channels == 3 ? 3 : 1;
+	cli_sensor_options sensor = o->sensor;
+	cli_default_sensor(&info, &sensor);
 	for (size_t k = 0; k < colours; k++) {
 		optla_rig_operator_options op_options = o->op;
 		op_options.channel = colours == 3 ? (optla_channel)(OPTLA_CHANNEL_RED + k) : OPTLA_CHANNEL_ALL;
-		OPTLA_TRY(cli_take_sensor(run, &o->sensor, k, &op_options));
+		OPTLA_TRY(cli_take_sensor(run, &sensor, k, &op_options));
 		optla_op *op = NULL;
 		OPTLA_TRY(truth ? optla_rig_truth(rig, op_options.channel, &op) : optla_rig_light_operator(rig, &op_options, &op));
 		const optla_status status = expose(run, op, p + k * info.nlights, y + k * info.npixels);

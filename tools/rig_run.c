@@ -10,10 +10,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const cli_sensor_options sensor_defaults = {.size = sizeof sensor_defaults, .sensor = "none"};
+static const cli_sensor_options sensor_defaults = {.size = sizeof sensor_defaults};
 static const optla_option sensor_fields[] = {
     {"sensor", offsetof(cli_sensor_options, sensor), OPTLA_OPTION_STRING, "NAME", 0, 0, NULL,
-     "Sensor that takes the photos, see the list of sensors; 'none': no noise, no limits."},
+     "Sensor that takes the photos, see the list of sensors; 'none': no noise, no limits. Without it: the one that the rig file "
+     "names, or none."},
 };
 const optla_option_table cli_sensor_table = {"sensor", sizeof(cli_sensor_options), &sensor_defaults, sensor_fields,
                                              CLI_COUNT(sensor_fields)};
@@ -28,6 +29,11 @@ static const optla_option picture_fields[] = {
 };
 const optla_option_table cli_picture_table = {"picture", sizeof(cli_picture_options), &picture_defaults, picture_fields,
                                               CLI_COUNT(picture_fields)};
+
+void cli_default_sensor(const optla_rig_info *info, cli_sensor_options *sensor)
+{
+	if (!sensor->sensor) sensor->sensor = info->sensor;
+}
 
 optla_status cli_take_sensor(const cli_run *run, const cli_sensor_options *sensor, uint64_t stream,
                              optla_rig_operator_options *options)

@@ -12,7 +12,7 @@
 /* How photos are taken: the rig operator's options and the name of the sensor. */
 typedef struct {
 	size_t size;
-	const char *sensor; /* NULL, "none": noiseless */
+	const char *sensor; /* NULL: the rig's own, if its file names one; "none": noiseless */
 } cli_sensor_options;
 extern const optla_option_table cli_sensor_table;
 extern const cli_topic cli_sensor_topic;
@@ -24,6 +24,8 @@ typedef struct {
 } cli_picture_options;
 extern const optla_option_table cli_picture_table;
 
+/* Without --sensor: the one that the rig file names. */
+void cli_default_sensor(const optla_rig_info *info, cli_sensor_options *sensor);
 /* Puts the sensor of that name and the run's seed into options. stream: operators of one run draw their own noise. */
 optla_status cli_take_sensor(const cli_run *run, const cli_sensor_options *sensor, uint64_t stream,
                              optla_rig_operator_options *options);

@@ -130,6 +130,14 @@ seeds() {
 }
 run "the seed decides the noise" seeds
 
+sensor() { # the rig file's sensor is used unless another one, or none, is asked for
+	{ cat screen.yaml; echo 'sensor: video-8bit'; } >own.yaml
+	works "$OPTLA" krylov arnoldi own.yaml -K 4 -o o1.h5 --json o1.json -q && works "$OPTLA" krylov arnoldi own.yaml -K 4 --sensor none -o o2.h5 -q &&
+		works "$OPTLA" krylov arnoldi screen.yaml -K 4 -o o3.h5 -q || return 1
+	grep -q '"sensor": "video-8bit"' o1.json && works "$OPTLA" compare o2.h5 o3.h5 --max-rel-error 0 && ends 1 "$OPTLA" compare o1.h5 o3.h5 --max-rel-error 0
+}
+run "a rig file may name its sensor" sensor
+
 resume() { # 12 iterations at once, or 5 and then up to 12
 	works "$OPTLA" krylov arnoldi screen.yaml -K 12 --split signed --state whole.h5 -o whole_m.h5 -q || return 1
 	works "$OPTLA" krylov arnoldi screen.yaml -K 5 --split signed --state part.h5 -q || return 1
