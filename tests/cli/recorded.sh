@@ -12,13 +12,14 @@ if ! [ -d "$data/diligent-ball" ]; then
 	exit
 fi
 
+# The rig file names the sensor of its camera: where the exact numbers are wanted, none is asked for.
 info() { works "$OPTLA" info "$ball" --data "$data" --json i.json && holds "$(number i.json nlights) == 96 && $(number i.json nphotos) == 96"; }
 run "the ball has 96 photos and lights" info
 
 # An independent calculation on the green channel found the optimal errors 0.1522, 0.1358, 0.1215 and Arnoldi 1.031, 1.057, 1.073
 # times those.
 green() {
-	works "$OPTLA" krylov arnoldi "$ball" --data "$data" --channel green -K 30 -o green.h5 --json g.json -q || return 1
+	works "$OPTLA" krylov arnoldi "$ball" --data "$data" --channel green -K 30 --sensor none -o green.h5 --json g.json -q || return 1
 	python3 - <<-END
 		import json
 		e = json.load(open("g.json"))["relative_errors"]
@@ -29,7 +30,7 @@ green() {
 run "the error of T after 10, 20, 30 iterations is near the best possible" green
 
 colour() {
-	works "$OPTLA" krylov arnoldi "$ball" --data "$data" -K 20 -o ball.h5 --json c.json -q || return 1
+	works "$OPTLA" krylov arnoldi "$ball" --data "$data" -K 20 --sensor none -o ball.h5 --json c.json -q || return 1
 	works "$OPTLA" relight ball.h5 --light light:17 --reference "$ball" --data "$data" -o relit.exr --json r.json || return 1
 	works "$OPTLA" relight ball.h5 --light light:17 -o relit.png && works "$OPTLA" info relit.png && says '3 channels' || return 1
 	holds "$(number r.json psnr_db) > 25"
@@ -53,8 +54,8 @@ noisy() {
 run "in dim light the noise rule saves photos and stops near the best" noisy
 
 hidden() {
-	works "$OPTLA" relight "$ball" --data "$data" --light light:17=1,60=0.5 -o wanted.exr || return 1
-	works "$OPTLA" invert "$ball" --data "$data" --target wanted.exr -K 40 -o light.csv --photo made.exr --json v.json || return 1
+	works "$OPTLA" relight "$ball" --data "$data" --light light:17=1,60=0.5 --sensor none -o wanted.exr || return 1
+	works "$OPTLA" invert "$ball" --data "$data" --target wanted.exr -K 40 --sensor none -o light.csv --photo made.exr --json v.json || return 1
 	holds "$(number v.json relative_error) < 0.1" && [ "$(wc -l <light.csv)" -eq 96 ]
 }
 run "a photo under two lights is made again" hidden
