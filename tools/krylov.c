@@ -16,7 +16,7 @@ static const optla_option extra_fields[] = {
     {"state", offsetof(krylov_extra_options, state), OPTLA_OPTION_STRING, "FILE", 0, 0, NULL,
      "Writes the run with all its photos (HDF5), at the end and when it is stopped by Ctrl-C, to be continued with --resume."},
     {"resume", offsetof(krylov_extra_options, resume), OPTLA_OPTION_STRING, "FILE", 0, 0, NULL,
-     "Continues the run of this state file; -K counts the iterations before it too."},
+     "Continues the run of this state file; -K counts the iterations before it too. Noise of the photos to come is drawn anew."},
     {"high", offsetof(krylov_extra_options, high), OPTLA_OPTION_BOOL, "", 0, 0, NULL,
      "Arnoldi, SVD on a colour camera with --channel grey: keeps all channels of each photo (Eq. 2.10, section 2.4)."},
     {"truth", offsetof(krylov_extra_options, truth), OPTLA_OPTION_BOOL, "", 0, 0, NULL,
@@ -100,7 +100,7 @@ static optla_status make_operators(krylov_job *j)
 		return OPTLA_OK;
 	optla_rig_operator_options high = j->o.op;
 	high.channel = OPTLA_CHANNEL_ALL;
-	OPTLA_TRY(cli_take_sensor(j->run, &j->o.sensor, 1, &high));
+	OPTLA_TRY(cli_take_sensor(j->run, &j->o.sensor, j->first_stream + 1, &high));
 	OPTLA_TRY(optla_rig_operator(j->rig, &high, &j->high));
 	return make_reduce(j, optla_op_type(j->op));
 }
@@ -138,6 +138,9 @@ static optla_status check_resumed(krylov_job *j)
 		                  method->text, j->method_name);
 	const cli_h5_attribute *taken = status ? NULL : cli_h5_find_attribute(&list, "photos_taken");
 	if (taken && !taken->text && taken->number >= 0 && taken->number < 0x1p53) j->o.op.first_readout = (uint64_t)taken->number;
+	const cli_h5_attribute *photos = status ? NULL : cli_h5_find_attribute(&list, "photos_taken");
+	/* An operator numbers its photos from 0: those to come must not repeat the noise of those taken. */
+	if (photos && !photos->text) j->first_stream = 2 * (uint64_t)photos->number;
 	cli_h5_list_clear(&list);
 	return status;
 }
@@ -146,8 +149,9 @@ static optla_status prepare(krylov_job *j)
 {
 	OPTLA_TRY(cli_open_rig(j->run, j->run->arguments[1], &j->rig));
 	optla_rig_get_info(j->rig, &j->info);
+	if (j->o.extra.resume) OPTLA_TRY(check_resumed(j));
 	cli_default_sensor(&j->info, &j->o.sensor);
-	OPTLA_TRY(cli_take_sensor(j->run, &j->o.sensor, 0, &j->o.op));
+	OPTLA_TRY(cli_take_sensor(j->run, &j->o.sensor, j->first_stream, &j->o.op));
 	if (!cli_given(j->run, "symmetric")) j->o.krylov.symmetric = j->info.symmetric;
 	if (j->o.extra.resume) OPTLA_TRY(check_resumed(j));
 	OPTLA_TRY(make_operators(j));
@@ -221,7 +225,7 @@ static const cli_group groups[] = {
 static const cli_topic topics[] = {{"Sensors", optla_sensor_preset_name}};
 static const cli_example examples[] = {
     {"optla krylov arnoldi corner.yaml -K 20 -o model.h5",
-     "Captures the light transport of a rig with 20 Arnoldi iterations, noiseless."},
+     "Captures the light transport of a rig with 20 Arnoldi iterations, through the sensor that the rig file names."},
     {"optla krylov arnoldi ball.yaml -K 30 --sensor dslr-14bit --noise-stop -o model.h5 --json run.json",
      "The same through a 14-bit camera; stops when more photos can't help; photos, exposure, errors and times as JSON."},
     {"optla krylov svd ball.yaml -K 40 --rank 10 --budget-photos 160 -o model.h5",
