@@ -153,7 +153,6 @@ static optla_status prepare(krylov_job *j)
 	cli_default_sensor(&j->info, &j->o.sensor);
 	OPTLA_TRY(cli_take_sensor(j->run, &j->o.sensor, j->first_stream, &j->o.op));
 	if (!cli_given(j->run, "symmetric")) j->o.krylov.symmetric = j->info.symmetric;
-	if (j->o.extra.resume) OPTLA_TRY(check_resumed(j));
 	OPTLA_TRY(make_operators(j));
 	OPTLA_TRY(read_target(j));
 	const optla_krylov_problem problem = {
