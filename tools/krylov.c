@@ -100,7 +100,7 @@ static optla_status make_operators(krylov_job *j)
 		return OPTLA_OK;
 	optla_rig_operator_options high = j->o.op;
 	high.channel = OPTLA_CHANNEL_ALL;
-	OPTLA_TRY(cli_take_sensor(j->run, &j->o.sensor, j->first_stream + 1, &high));
+	OPTLA_TRY(cli_take_sensor(j->run, &j->o.sensor, 1, &high));
 	OPTLA_TRY(optla_rig_operator(j->rig, &high, &j->high));
 	return make_reduce(j, optla_op_type(j->op));
 }
@@ -138,9 +138,6 @@ static optla_status check_resumed(krylov_job *j)
 		                  method->text, j->method_name);
 	const cli_h5_attribute *taken = status ? NULL : cli_h5_find_attribute(&list, "photos_taken");
 	if (taken && !taken->text && taken->number >= 0 && taken->number < 0x1p53) j->o.op.first_readout = (uint64_t)taken->number;
-	const cli_h5_attribute *photos = status ? NULL : cli_h5_find_attribute(&list, "photos_taken");
-	/* An operator numbers its photos from 0: those to come must not repeat the noise of those taken. */
-	if (photos && !photos->text) j->first_stream = 2 * (uint64_t)photos->number;
 	cli_h5_list_clear(&list);
 	return status;
 }
@@ -151,7 +148,7 @@ static optla_status prepare(krylov_job *j)
 	optla_rig_get_info(j->rig, &j->info);
 	if (j->o.extra.resume) OPTLA_TRY(check_resumed(j));
 	cli_default_sensor(&j->info, &j->o.sensor);
-	OPTLA_TRY(cli_take_sensor(j->run, &j->o.sensor, j->first_stream, &j->o.op));
+	OPTLA_TRY(cli_take_sensor(j->run, &j->o.sensor, 0, &j->o.op));
 	if (!cli_given(j->run, "symmetric")) j->o.krylov.symmetric = j->info.symmetric;
 	OPTLA_TRY(make_operators(j));
 	OPTLA_TRY(read_target(j));

@@ -29,7 +29,6 @@ typedef struct {
 	optla_krylov_method method;
 	const char *method_name;
 	optla_rig *rig;
-	uint64_t first_stream; /* of the noise */
 	optla_rig_info info;
 	optla_op *op, *high, *reduce, *truth;
 	void *target; /* of the operator's type */
