@@ -34,7 +34,7 @@ build: deps
 demo: build
 	@mkdir -p out
 	$(BUILD)/tools/optla demo $(if $(wildcard ../shared/data/diligent-ball),--data ../shared/data) -o out/demo
-	@echo 'The page is file://$(CURDIR)/out/demo/index.html'
+	@echo 'Open file://$(CURDIR)/out/demo/index.html'
 
 test: build
 	@scripts/run_tests.sh $(BUILD) quick
