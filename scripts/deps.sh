@@ -4,12 +4,12 @@
 # packages have the same names). Plain sh: at this point there may be no compiler, no pkg-config and no Python.
 #
 #   scripts/deps.sh            what building, testing and running need
-#   scripts/deps.sh ci         that, and what .ci/run needs besides
-#   scripts/deps.sh check [ci] only says what is missing; exit status 1 if anything is
-#   scripts/deps.sh list [ci]  the names, one a line
+#   scripts/deps.sh ci         that, and what .ci/run needs besides; bench: and the rivals of `make bench`
+#   scripts/deps.sh check [SET]  only says what is missing; exit status 1 if anything is
+#   scripts/deps.sh list [SET]   the names, one a line
 set -eu
 
-# package and how to see that it is there: cmd:NAME, pc:PKG-CONFIG-MODULE, header:PATH or file:PATH
+# package and how to see that it is there: cmd:NAME, pc:PKG-CONFIG-MODULE, header:PATH, file:PATH or py:MODULE
 base='
 gcc                cmd:cc
 g++                cmd:c++
@@ -42,12 +42,17 @@ clang-format       cmd:clang-format
 doxygen            cmd:doxygen
 mandoc             cmd:mandoc
 '
+bench='
+python3-numpy      py:numpy
+python3-scipy      py:scipy
+'
 
 there() {
 	case $1 in
 	cmd:*) command -v "${1#cmd:}" >/dev/null 2>&1 ;;
 	pc:*) command -v pkg-config >/dev/null 2>&1 && pkg-config --exists "${1#pc:}" ;;
 	header:*) [ -e "/usr/include/${1#header:}" ] || [ -e "/usr/local/include/${1#header:}" ] ;;
+	py:*) command -v python3 >/dev/null 2>&1 && python3 -c "import ${1#py:}" >/dev/null 2>&1 ;;
 	file:*) ls ${1#file:} >/dev/null 2>&1 ;; # unquoted: may be a pattern
 	esac
 }
@@ -58,7 +63,8 @@ table=$base
 case ${1-} in
 '') ;;
 ci) table="$base$ci" ;;
-*) echo "scripts/deps.sh: unknown set '$1': allowed is ci, or none" >&2; exit 2 ;;
+bench) table="$base$bench" ;;
+*) echo "scripts/deps.sh: unknown set '$1': allowed are ci, bench, or none" >&2; exit 2 ;;
 esac
 
 missing='' all=''
