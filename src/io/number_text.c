@@ -33,13 +33,14 @@ static optla_status parse_number(table *t, const char *text, size_t length)
 {
 	char copy[64], *end = copy;
 	double value = NAN;
-	if (length < sizeof copy && strspn(text, "+-.0123456789eE") >= length) {
+	if (length < sizeof copy) {
 		memcpy(copy, text, length);
 		copy[length] = 0;
-		value = strtod(copy, &end);
+		if (strspn(copy, "+-.0123456789eE") == length) value = strtod(copy, &end);
+		if (end != copy + length) value = NAN;
 	}
-	OPTLA_CHECK(t->ctx, end == copy + length && isfinite(value), OPTLA_ERR_INPUT, "%s:%d: '%.*s' is not a finite number", t->name,
-	            t->line, (int)optla_min_(length, 40), text);
+	OPTLA_CHECK(t->ctx, isfinite(value), OPTLA_ERR_INPUT, "%s:%d: '%.*s' is not a finite number", t->name, t->line,
+	            (int)optla_min_(length, 40), text);
 	return add(t, value);
 }
 

@@ -8,7 +8,7 @@
 /* All numbers of a file in reading order; the caller frees *values. Rows (lines with numbers) must be equally long: *columns, NULL if
    not wanted. OPTLA_ERR_INPUT with FILE:LINE for text that is no finite number, rows of different lengths, an empty file. */
 optla_status optla_read_numbers_(optla_ctx *ctx, const char *path, double **values, size_t *count, size_t *columns);
-/* The same from bytes; bytes[size] must be 0. name is used in messages. */
+/* The same from bytes; name is used in messages. */
 optla_status optla_parse_numbers_(optla_ctx *ctx, const char *bytes, size_t size, const char *name, double **values,
                                   size_t *count, size_t *columns);
 

@@ -3,6 +3,7 @@
 #include "io/h5.h"
 #include "io/whole_file.h"
 #include "optla/image.h"
+#include "optla/relight.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -92,6 +93,29 @@ static void h5_seeds(optla_ctx *ctx)
 		must(ctx, optla_h5_finish_(&f, true));
 		optla_free(ctx, path);
 	}
+}
+
+static void model_seeds(optla_ctx *ctx)
+{
+	static const float photos[2 * 9 * 3] = {1, -2, 3, 0.5f}, illuminations[2 * 4] = {0.5f, 0.5f, 0.5f, 0.5f, 1};
+	optla_rig *rig;
+	must(ctx, optla_rig_corner(ctx, 3, 2, false, &rig));
+	for (size_t channels = 1; channels <= 3; channels += 2) {
+		const optla_cblock d = {photos, 9 * channels, 2, 9 * channels, OPTLA_F32}, p = {illuminations, 4, 2, 4, OPTLA_F32};
+		optla_model *model;
+		must(ctx, optla_model_create(rig, channels, d, p, &model));
+		char *path = seed(ctx, "fuzz_model", 1 == channels ? "grey" : "colour");
+		must(ctx, optla_model_save(model, path));
+		optla_free(ctx, path);
+		optla_model_destroy(&model);
+	}
+	optla_rig_destroy(&rig);
+}
+
+static void number_seeds(optla_ctx *ctx)
+{
+	static const char text[] = "# x y z\n0.5, -1e-3 ;2\n\n+.25\t7 8 # end\r\n";
+	write_bytes(ctx, "fuzz_numbers", "table", text, sizeof text - 1);
 }
 
 /* ---- images ---- */
@@ -195,6 +219,8 @@ int main(int argc, char **argv)
 	yaml_seeds(ctx);
 	array_seeds(ctx);
 	h5_seeds(ctx);
+	model_seeds(ctx);
+	number_seeds(ctx);
 	image_seeds(ctx);
 	raw_seed(ctx);
 	optla_ctx_destroy(&ctx);
