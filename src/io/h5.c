@@ -85,13 +85,14 @@ static optla_status make(optla_ctx *ctx, const char *path, optla_h5 **out)
 	return OPTLA_ERR_NOMEM;
 }
 
-/* No file locks: a finished file never changes (a new one replaces it by its name), and locks fail on some network disks. */
+/* The format of 1.8, whose headers carry checksums: HDF5 trusts damaged ones and reads outside of its memory.
+   No file locks: a finished file never changes (a new one replaces it by its name), and locks fail on some network disks. */
 static hid_t access_list(void)
 {
 	const hid_t access = H5Pcreate(H5P_FILE_ACCESS);
 	if (access < 0) return access;
-	if (H5Pset_file_locking(access, false, true) >= 0 && H5Pset_alignment(access, ALIGN_FROM_BYTES, ALIGN_BYTES) >= 0 &&
-	    H5Pset_fclose_degree(access, H5F_CLOSE_STRONG) >= 0)
+	if (H5Pset_file_locking(access, false, true) >= 0 && H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_V110) >= 0 &&
+	    H5Pset_alignment(access, ALIGN_FROM_BYTES, ALIGN_BYTES) >= 0 && H5Pset_fclose_degree(access, H5F_CLOSE_STRONG) >= 0)
 		return access;
 	H5Pclose(access);
 	return H5I_INVALID_HID;
