@@ -86,6 +86,10 @@ void optla_gmres_coefficients_(const optla_krylov *run, size_t k, double *y); /*
 /* nonnegative.c: p >= 0 from the first k >= 1 photos */
 optla_status optla_gmres_nonnegative_(const optla_krylov *run, size_t k, optla_block p);
 
+/* state.c: as optla_krylov_resume() from the bytes of a file; name is used in messages. */
+optla_status optla_krylov_resume_bytes_(const optla_krylov_problem *problem, const optla_krylov_options *options,
+                                        const void *bytes, size_t count, const char *name, optla_krylov **out);
+
 /* svd.c */
 optla_status optla_svd_residual_(optla_krylov *run, double *residual); /* largest of the wanted triplets */
 /* results.c: the truncated bases, when options.rank asks for them */

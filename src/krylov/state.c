@@ -36,6 +36,7 @@ typedef struct {
 	const char *name;
 	double *values;
 	size_t count;
+	double least; /* allowed: at least this and finite */
 } numbers;
 
 enum { NUMBERS = 6 };
@@ -43,8 +44,12 @@ enum { NUMBERS = 6 };
 static void list_numbers(const optla_krylov *run, numbers out[NUMBERS])
 {
 	const size_t k = run->k;
-	const numbers list[NUMBERS] = {{"residual", run->residuals, k}, {"noise", run->noise, k},        {"energy", run->energy, k},
-	                               {"gap", run->gaps, k},           {"target_in_basis", run->qt, k}, {"triangle", run->qr, k}};
+	const numbers list[NUMBERS] = {{"residual", run->residuals, k, 0},
+	                               {"noise", run->noise, k, 0},
+	                               {"energy", run->energy, k, 0},
+	                               {"gap", run->gaps, k, 0},
+	                               {"target_in_basis", run->qt, k, -INFINITY},
+	                               {"triangle", run->qr, k, -INFINITY}};
 	memcpy(out, list, sizeof list);
 }
 
@@ -109,6 +114,20 @@ static optla_status get_part(optla_krylov *run, optla_h5 *file, const char *path
 	return status;
 }
 
+/* The residual of the power method alone may be infinite: that of p with pᵀ T p = 0. */
+static optla_status check_numbers(const optla_krylov *run, const char *path, const numbers *n, optla_cblock stored)
+{
+	const bool infinite = run->method == OPTLA_KRYLOV_POWER && n->values == run->residuals;
+	for (size_t k = 0; k < stored.ncols; k++)
+		for (size_t m = 0; m < stored.nrows; m++) {
+			const double v = ((const double *)stored.data)[m + k * stored.ld];
+			OPTLA_CHECK(run->ctx, v >= n->least && (isfinite(v) || (infinite && v > 0)), OPTLA_ERR_INPUT,
+			            "%s: %s[%zu] is %g: a finite number%s is needed", path, n->name, m + k * stored.nrows, v,
+			            n->least < 0 ? "" : " of at least 0");
+		}
+	return OPTLA_OK;
+}
+
 static optla_status get_numbers(optla_krylov *run, optla_h5 *file, const char *path, const numbers *n)
 {
 	if (!n->values || !n->count) return OPTLA_OK;
@@ -119,6 +138,7 @@ static optla_status get_numbers(optla_krylov *run, optla_h5 *file, const char *p
 	if (stored.nrows != want.nrows || stored.ncols != want.ncols)
 		status = OPTLA_FAIL(run->ctx, OPTLA_ERR_INPUT, "%s: %s is %zu x %zu, %zu x %zu belong to its iterations", path, n->name,
 		                    stored.nrows, stored.ncols, want.nrows, want.ncols);
+	if (!status) status = check_numbers(run, path, n, optla_block_const(stored));
 	for (size_t k = 0; !status && k < want.ncols; k++)
 		memcpy(n->values + k * want.ld, (const double *)stored.data + k * stored.ld, want.nrows * sizeof(double));
 	optla_free(run->ctx, stored.data);
@@ -134,6 +154,15 @@ static optla_status get_count(optla_krylov *run, optla_h5 *file, const char *pat
 	return OPTLA_OK;
 }
 
+/* Finite numbers from least up. */
+static optla_status get_value(optla_krylov *run, optla_h5 *file, const char *path, const char *name, double least, double *value)
+{
+	OPTLA_TRY(optla_h5_get_number_(file, name, value));
+	OPTLA_CHECK(run->ctx, isfinite(*value) && *value >= least, OPTLA_ERR_INPUT, "%s: %s is %g: a finite number%s is needed", path,
+	            name, *value, least < 0 ? "" : " of at least 0");
+	return OPTLA_OK;
+}
+
 static optla_status get_all(optla_krylov *run, optla_h5 *file, const char *path)
 {
 	double iterations, symmetric, have_next, fresh, photos;
@@ -146,10 +175,10 @@ static optla_status get_all(optla_krylov *run, optla_h5 *file, const char *path)
 	OPTLA_TRY(get_count(run, file, path, "have_next", 1, &have_next));
 	OPTLA_TRY(get_count(run, file, path, "fresh", 1, &fresh));
 	OPTLA_TRY(get_count(run, file, path, "photos_taken", 1e15, &photos));
-	OPTLA_TRY(optla_h5_get_number_(file, "scale", &run->scale));
-	OPTLA_TRY(optla_h5_get_number_(file, "first", &run->first));
-	OPTLA_TRY(optla_h5_get_number_(file, "value", &run->value));
-	OPTLA_TRY(optla_h5_get_number_(file, "exposure_s", &run->exposure_s));
+	OPTLA_TRY(get_value(run, file, path, "scale", 0, &run->scale));
+	OPTLA_TRY(get_value(run, file, path, "first", 0, &run->first));
+	OPTLA_TRY(get_value(run, file, path, "value", -INFINITY, &run->value));
+	OPTLA_TRY(get_value(run, file, path, "exposure_s", 0, &run->exposure_s));
 	run->k = (size_t)iterations;
 	run->have_next = have_next != 0;
 	run->fresh = fresh != 0;
@@ -191,22 +220,16 @@ static optla_status method_of(optla_ctx *ctx, optla_h5 *file, const char *path, 
 	return OPTLA_OK;
 }
 
-optla_status optla_krylov_resume(const optla_krylov_problem *problem, const optla_krylov_options *options, const char *path,
-                                 optla_krylov **out)
+static optla_status resume_from(const optla_krylov_problem *problem, const optla_krylov_options *options, optla_h5 *file,
+                                const char *path, optla_krylov **out)
 {
-	if (!out) return OPTLA_ERR_ARG;
-	*out = NULL;
-	if (!problem || problem->size != sizeof *problem || !problem->op) return OPTLA_ERR_ARG;
 	optla_ctx *ctx = optla_op_ctx(problem->op);
-	optla_h5 *file;
-	OPTLA_TRY(optla_h5_open_(ctx, path, "krylov", &file));
 	optla_krylov_method method = OPTLA_KRYLOV_POWER;
 	optla_krylov *run = NULL;
 	optla_status status = method_of(ctx, file, path, &method);
 	if (!status) status = optla_krylov_create(problem, method, options, &run);
 	if (!status) status = get_all(run, file, path);
 	if (!status) status = same_target(run, file, path);
-	optla_h5_close_(&file);
 	if (status) {
 		optla_krylov_destroy(&run);
 	} else {
@@ -214,5 +237,29 @@ optla_status optla_krylov_resume(const optla_krylov_problem *problem, const optl
 		optla_krylov_judge_(run); /* it may have all that is asked for */
 	}
 	*out = run;
+	return status;
+}
+
+optla_status optla_krylov_resume(const optla_krylov_problem *problem, const optla_krylov_options *options, const char *path,
+                                 optla_krylov **out)
+{
+	if (!out) return OPTLA_ERR_ARG;
+	*out = NULL;
+	if (!problem || problem->size != sizeof *problem || !problem->op) return OPTLA_ERR_ARG;
+	optla_h5 *file;
+	OPTLA_TRY(optla_h5_open_(optla_op_ctx(problem->op), path, "krylov", &file));
+	const optla_status status = resume_from(problem, options, file, path, out);
+	optla_h5_close_(&file);
+	return status;
+}
+
+optla_status optla_krylov_resume_bytes_(const optla_krylov_problem *problem, const optla_krylov_options *options,
+                                        const void *bytes, size_t count, const char *name, optla_krylov **out)
+{
+	*out = NULL;
+	optla_h5 *file;
+	OPTLA_TRY(optla_h5_open_bytes_(optla_op_ctx(problem->op), bytes, count, name, &file));
+	const optla_status status = resume_from(problem, options, file, name, out);
+	optla_h5_close_(&file);
 	return status;
 }

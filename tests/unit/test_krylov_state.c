@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Krylov runs on disk: saved, resumed, spoiled. */
+#include "krylov/run.h"
 #include "spectrum.h"
 
 #include <unistd.h>
@@ -120,13 +121,174 @@ START_TEST(spoiled_files_are_errors)
 }
 END_TEST
 
+static optla_ctx *budget_ctx(error_store *e, alloc_budget *b)
+{
+	const optla_ctx_desc d = {.size = sizeof d,
+	                          .alloc = budget_alloc,
+	                          .free = budget_free,
+	                          .alloc_user = b,
+	                          .error = error_keep,
+	                          .error_user = e,
+	                          .threads = 1};
+	optla_ctx *ctx;
+	ok(optla_ctx_create(&ctx, &d));
+	return ctx;
+}
+
+/* Power iteration keeps one column only: the vector and its value must go on as if nothing had been between. */
+START_TEST(a_resumed_power_iteration_is_the_uninterrupted_one)
+{
+	for (int symmetric = 0; symmetric <= 1; symmetric++) {
+		optla_ctx *ctx = test_ctx(NULL, 0);
+		double s[10], v[2][10], value[2];
+		harmonic(s, 10);
+		double *t = with_spectrum(ctx, 10, 10, s, 10, symmetric);
+		optla_op *op = dense(ctx, t, 10, 10);
+		const optla_krylov_problem problem = {.size = sizeof problem, .op = op};
+		optla_krylov_options o = optla_krylov_defaults;
+		o.symmetric = symmetric;
+		o.iterations = 9;
+		optla_krylov *whole = started(op, OPTLA_KRYLOV_POWER, &o, NULL), *rest;
+		ok(optla_krylov_run(whole));
+		o.iterations = 4;
+		optla_krylov *part = started(op, OPTLA_KRYLOV_POWER, &o, NULL);
+		ok(optla_krylov_run(part));
+		char path[] = "/tmp/optla_krylov_XXXXXX";
+		ck_assert_int_ge(mkstemp(path), 0);
+		ok(optla_krylov_save(part, path));
+		o.iterations = 9;
+		ok(optla_krylov_resume(&problem, &o, path, &rest));
+		ck_assert_uint_eq(optla_krylov_get_info(rest).iterations, 4);
+		ok(optla_krylov_run(rest));
+		ok(optla_krylov_principal(whole, v[0], &value[0]));
+		ok(optla_krylov_principal(rest, v[1], &value[1]));
+		ck_assert(!memcmp(v[0], v[1], sizeof v[0]));
+		ck_assert(value[0] == value[1]);
+		const optla_krylov_info a = optla_krylov_get_info(whole), b = optla_krylov_get_info(rest);
+		ck_assert_uint_eq(a.photos, b.photos);
+		ck_assert_uint_eq(b.iterations, 9);
+		ck_assert(a.residual == b.residual);
+		unlink(path);
+		free(t);
+		optla_krylov_destroy(&whole), optla_krylov_destroy(&part), optla_krylov_destroy(&rest);
+		optla_op_unref(&op);
+		optla_ctx_destroy(&ctx);
+	}
+}
+END_TEST
+
+/* Every number of a state spoiled in turn: the error names file and number. Whole files are written, so the size is right. */
+START_TEST(spoiled_numbers_are_errors)
+{
+	error_store e = {0};
+	optla_ctx *ctx = test_ctx(&e, 0);
+	double s[6], target[8] = {1, 2, 3, 4, 5, 6, 7, 8};
+	harmonic(s, 6);
+	double *t = with_spectrum(ctx, 8, 6, s, 6, false);
+	optla_op *op = dense(ctx, t, 8, 6);
+	optla_krylov_options o = optla_krylov_defaults;
+	o.iterations = 3;
+	const optla_krylov_problem problem = {.size = sizeof problem, .op = op, .target = target};
+	char path[] = "/tmp/optla_krylov_XXXXXX";
+	ck_assert_int_ge(mkstemp(path), 0);
+	for (int method = OPTLA_KRYLOV_POWER; method <= OPTLA_KRYLOV_SVD; method++) {
+		optla_krylov *run = started(op, (optla_krylov_method)method, &o, target), *again;
+		ok(optla_krylov_run(run));
+		const struct {
+			const char *name;
+			double *at;
+			bool negative; /* allowed */
+		} numbers[] = {{"residual[1]", run->residuals + 1, false},
+		               {"noise[2]", run->noise + 2, false},
+		               {"energy[0]", run->energy, false},
+		               {"gap[1]", run->gaps ? run->gaps + 1 : NULL, false},
+		               {"target_in_basis[1]", run->qt ? run->qt + 1 : NULL, true},
+		               {"triangle[7]", run->qr ? run->qr + 2 * run->kmax + 1 : NULL, true},
+		               {"scale", &run->scale, false},
+		               {"first", &run->first, false},
+		               {"value", &run->value, true},
+		               {"exposure_s", &run->exposure_s, false}};
+		const double wrong[] = {NAN, INFINITY, -INFINITY, -1};
+		for (size_t n = 0; n < sizeof numbers / sizeof *numbers; n++)
+			for (size_t w = 0; numbers[n].at && w < 4; w++) {
+				const bool allowed = (3 == w && numbers[n].negative) ||
+				                     (1 == w && OPTLA_KRYLOV_POWER == method && numbers[n].at == run->residuals + 1);
+				const double kept = *numbers[n].at;
+				*numbers[n].at = wrong[w];
+				ok(optla_krylov_save(run, path));
+				*numbers[n].at = kept;
+				status_is(optla_krylov_resume(&problem, &o, path, &again), allowed ? OPTLA_OK : OPTLA_ERR_INPUT);
+				ck_assert_msg(allowed || (strstr(e.text, path) && strstr(e.text, numbers[n].name)), "%s: message: %s",
+				              numbers[n].name, e.text);
+				optla_krylov_destroy(&again);
+			}
+		optla_krylov_destroy(&run);
+	}
+	unlink(path);
+	free(t);
+	optla_op_unref(&op);
+	optla_ctx_destroy(&ctx);
+}
+END_TEST
+
+START_TEST(every_allocation_may_fail)
+{
+	error_store e = {0};
+	alloc_budget b = {.left = 1 << 30};
+	optla_ctx *ctx = budget_ctx(&e, &b);
+	double s[6], target[8] = {1, 2, 3, 4, 5, 6, 7, 8};
+	harmonic(s, 6);
+	double *t = with_spectrum(ctx, 8, 6, s, 6, false);
+	optla_op *op = dense(ctx, t, 8, 6);
+	optla_krylov_options o = optla_krylov_defaults;
+	o.iterations = 3;
+	const optla_krylov_problem problem = {.size = sizeof problem, .op = op, .target = target};
+	char path[] = "/tmp/optla_krylov_XXXXXX";
+	ck_assert_int_ge(mkstemp(path), 0);
+	for (int method = OPTLA_KRYLOV_POWER; method <= OPTLA_KRYLOV_SVD; method++) {
+		b.left = 1 << 30;
+		optla_krylov *run = started(op, (optla_krylov_method)method, &o, target), *again = NULL;
+		ok(optla_krylov_run(run));
+		ok(optla_krylov_save(run, path)); /* the file is there when its successor fails */
+		for (int resume = 0; resume <= 1; resume++) {
+			long failures = 0;
+			for (long k = 0;; k++) {
+				const long before = b.live;
+				b.left = k;
+				const optla_status got = resume ? optla_krylov_resume(&problem, &o, path, &again) : optla_krylov_save(run, path);
+				const bool whole = b.left >= 0; /* none was refused, not even one whose failure is no error */
+				if (got) {
+					status_is(got, OPTLA_ERR_NOMEM);
+					ck_assert_ptr_null(again);
+					failures++;
+				}
+				if (whole) ok(got);
+				optla_krylov_destroy(&again);
+				if (!resume || got) ck_assert_int_eq(b.live, before); /* inputs read are remembered in the context */
+				if (whole) break;
+			}
+			ck_assert_int_ge(failures, 3);
+		}
+		optla_krylov_destroy(&run);
+	}
+	unlink(path);
+	free(t);
+	optla_op_unref(&op);
+	optla_ctx_destroy(&ctx);
+	ck_assert_int_eq(b.live, 0);
+}
+END_TEST
+
 int main(void)
 {
 	Suite *s = suite_create("krylov_state");
 	TCase *t = tcase_create("krylov_state");
 	tcase_set_timeout(t, 60);
 	tcase_add_test(t, a_resumed_run_is_the_uninterrupted_one);
+	tcase_add_test(t, a_resumed_power_iteration_is_the_uninterrupted_one);
 	tcase_add_test(t, spoiled_files_are_errors);
+	tcase_add_test(t, spoiled_numbers_are_errors);
+	tcase_add_test(t, every_allocation_may_fail);
 	suite_add_tcase(s, t);
 	return run_suite(s);
 }
