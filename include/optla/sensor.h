@@ -66,7 +66,7 @@ typedef struct {
 	double full_well_e;   /**< at the level with the largest temporal variance (EMVA 1288 saturation) */
 	double saturation_dn; /**< mean count above black there */
 	/** Smallest e such that a straight line over photons stays within relative e of every level between 5 and 70 % of saturation;
-	    0 if photons are not known. */
+	    0 if photons are not known or fewer than three of those levels differ in them. */
 	double linearity_error;
 	size_t levels_used; /**< levels below 70 % of saturation */
 } optla_photon_transfer;

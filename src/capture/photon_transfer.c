@@ -62,6 +62,18 @@ static double worst_deviation(const double *x, const double *y, size_t n, double
 	return worst;
 }
 
+/* Levels at two photon numbers show how well levels repeat, not how straight the response is. */
+static bool three_differ(const double *x, size_t n)
+{
+	size_t second = 0;
+	for (size_t k = 1; k < n; k++) {
+		if (x[k] == x[0] || (second && x[k] == x[second])) continue;
+		if (second) return true;
+		second = k;
+	}
+	return false;
+}
+
 /*
  * Straightness: the smallest e such that some line stays within relative e of every point. The best line misses three points by
  * +e, -e, +e of their values (P. L. Chebyshev's alternation; x ascending), so trying all triples finds it:
@@ -69,7 +81,6 @@ static double worst_deviation(const double *x, const double *y, size_t n, double
  */
 static double straightness(const double *x, const double *y, size_t n)
 {
-	if (n < 3) return 0;
 	double best = INFINITY;
 	for (size_t i = 0; i < n; i++)
 		for (size_t j = i + 1; j < n; j++)
@@ -140,7 +151,7 @@ static void measure_response(const level *l, size_t used, double saturation_dn, 
 	}
 	if (n < 2 || !fit_line(x, y, n, &a, &slope)) return;
 	out->quantum_efficiency = slope / out->gain_dn_per_e;
-	out->linearity_error = straightness(x, y, n);
+	if (three_differ(x, n)) out->linearity_error = straightness(x, y, n);
 }
 
 /* Dark frames of all levels, extrapolated to zero exposure over the photon number, which exposure time is proportional to. */

@@ -235,6 +235,13 @@ START_TEST(linearity_is_the_distance_to_the_best_line)
 	near_rel(t.linearity_error, 0.01, 1e-5); /* floats hold counts to 6e-8, their differences of 20 counts to 1e-6 */
 	ck_assert_uint_eq(t.levels_used, N);
 	near_rel(t.saturation_dn, 9000, 1e-6);
+	/* two photon numbers, in orders in which they name no line, one line, several: not known */
+	for (int order = 0; order < 3; order++) {
+		static const double photons[3][N] = {{1000, 2000, 1000, 1000, 1000}, {1000, 1000, 1000, 2000, 2000}, {2, 1, 2, 1, 2}};
+		for (int k = 0; k < N; k++) levels[k].photons_per_pixel = photons[order][k];
+		ok(optla_sensor_measure(ctx, levels, N + 1, &t, NULL));
+		ck_assert_double_eq(t.linearity_error, 0);
+	}
 	optla_ctx_destroy(&ctx);
 }
 END_TEST
