@@ -13,7 +13,9 @@
 
        E||i - T P y||² ~ ||i - D y||² m / (m - k) - sum_k n_k² y_k²      (m pixels),
 
-   and when that has fallen to zero the rest is noise that no further photo can tell from a residual. */
+   and photos help while that falls. It is compared with itself only, from k to k+1, not with zero: over m pixels its noise's share is
+   known to a part sqrt(2/m), which may be more than the residual. (Products split by offset share the noise of y(1) and y(0); the sum
+   over k takes their errors as independent, so that the level, not the fall, is uncertain there.) */
 #include "run.h"
 
 #include <math.h>
@@ -60,7 +62,7 @@ static size_t best_inverse(const optla_krylov *run, bool *useless)
 			best = j;
 		}
 	}
-	*useless = least <= 0 || run->k >= best + PATIENCE_INVERSE;
+	*useless = run->k >= best + PATIENCE_INVERSE;
 	return best;
 }
 
