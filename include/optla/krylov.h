@@ -42,8 +42,9 @@ typedef struct {
 	int max_photos; /**< stop before the photo that would exceed this; 0: no limit */
 	int rank;       /**< SVD and Arnoldi: best rank of the result, <= iterations; 0: iterations */
 	bool symmetric; /**< use the form for symmetric T (needs nrows = ncols): half the photos */
-	double
-	    tolerance; /**< stop at this relative residual (GMRES: ||i - T p||/||i||; power: ||T v - λ v||/λ; SVD: of the wanted triplets; Arnoldi: ||s_k component outside P|| / first one); 0: don't */
+	/** Stop at this relative residual, 0: don't. GMRES: ||i - T p|| / ||i||; power: ||T v - λ v|| / λ; SVD: that of the wanted triplets;
+	    Arnoldi: the part of the last s_k (symmetric: d_k) outside P over that of the first. */
+	double tolerance;
 	/** Stop when more photos can't help, judged from the sensor's noise (section 2.7), and keep what the best number of photos gives. Capture ends
 	    within 5 % of the least error of T that any number of iterations reaches; GMRES, where each photo still helps a little, within 10 %
 	    (signed splitting) to 25 % (offset) of the least true residual (tests/stat/test_noise_stop.c). */
