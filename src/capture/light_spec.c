@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The forms of an illumination: "all", "light:...", numbers, an image on the projector's grid, "env:...", "point:...". */
 #include "capture/light_spec.h"
+#include "io/number_text.h"
 #include "io/whole_file.h"
 
 #include <ctype.h>
@@ -87,40 +88,6 @@ static optla_status parse_point(optla_ctx *ctx, const optla_light_layout *lights
 	return optla_light_point_(ctx, lights, azimuth_deg, elevation_deg, p);
 }
 
-/* ---- numbers in text ---- */
-
-typedef struct {
-	optla_ctx *ctx;
-	const char *path;
-	size_t nlights, channels, count;
-	double *p;
-} number_list;
-
-/* A file of 3*nlights numbers holds red, green and blue of one light after another; they are sorted into channels at the end. */
-static optla_status take_number(number_list *list, size_t line, const char *text, char **end)
-{
-	const double value = strtod(text, end);
-	OPTLA_CHECK(list->ctx, *end != text, OPTLA_ERR_INPUT, "%s:%zu: expected a number at '%.20s'", list->path, line, text);
-	OPTLA_CHECK(list->ctx, isfinite(value) && value >= 0, OPTLA_ERR_INPUT,
-	            "%s:%zu: %g: a light's power is a number of at least 0", list->path, line, value);
-	OPTLA_CHECK(list->ctx, list->count < list->channels * list->nlights, OPTLA_ERR_INPUT,
-	            "%s:%zu: more numbers than the %zu lights%s", list->path, line, list->nlights,
-	            3 == list->channels ? " of three colours" : "");
-	list->p[list->count++] = value;
-	return OPTLA_OK;
-}
-
-static optla_status take_line(number_list *list, size_t line, const char *text)
-{
-	for (;;) {
-		while (isspace((unsigned char)*text) || ',' == *text || ';' == *text) text++;
-		if (!*text || '#' == *text) return OPTLA_OK;
-		char *end;
-		OPTLA_TRY(take_number(list, line, text, &end));
-		text = end;
-	}
-}
-
 static optla_status colours_apart(optla_ctx *ctx, size_t nlights, double *p)
 {
 	double *by_light = optla_array_(ctx, 3 * nlights, sizeof *by_light);
@@ -139,30 +106,29 @@ static optla_status check_count(optla_ctx *ctx, const char *path, size_t nlights
 	return OPTLA_OK;
 }
 
-static optla_status load_text(optla_ctx *ctx, const char *path, size_t nlights, size_t channels, double *p)
+/* ---- numbers in text ---- */
+
+/* A file of 3*nlights numbers holds red, green and blue of one light after another. */
+static optla_status take_numbers(optla_ctx *ctx, const double *values, size_t count, const char *path, size_t nlights,
+                                 size_t channels, double *p)
 {
-	void *bytes;
-	size_t size;
-	OPTLA_TRY(optla_read_file_(ctx, path, &bytes, &size));
-	number_list list = {.ctx = ctx, .path = path, .nlights = nlights, .channels = channels, .p = p};
-	optla_status s = OPTLA_OK;
-	size_t line = 1;
-	for (char *text = bytes, *const stop = text + size; text < stop && OPTLA_OK == s; line++) {
-		char *end = memchr(text, '\n', (size_t)(stop - text));
-		if (!end) end = stop; /* the byte there is zero already */
-		*end = 0;
-		if (strlen(text) != (size_t)(end - text))
-			s = OPTLA_FAIL(ctx, OPTLA_ERR_INPUT, "%s:%zu: holds a zero byte: this is no text", path, line);
-		else
-			s = take_line(&list, line, text);
-		text = end + 1;
-	}
-	optla_free(ctx, bytes);
-	OPTLA_TRY(s);
-	OPTLA_TRY(check_count(ctx, path, nlights, channels, list.count));
-	if (list.count > nlights) return colours_apart(ctx, nlights, p);
+	OPTLA_TRY(check_count(ctx, path, nlights, channels, count));
+	const bool coloured = count > nlights;
+	for (size_t k = 0; k < count; k++) OPTLA_TRY(check_power(ctx, path, coloured ? k / 3 : k, values[k]));
+	memcpy(p, values, count * sizeof *p);
+	if (coloured) return colours_apart(ctx, nlights, p);
 	spread(nlights, channels, p);
 	return OPTLA_OK;
+}
+
+static optla_status load_text(optla_ctx *ctx, const char *path, size_t nlights, size_t channels, double *p)
+{
+	double *values;
+	size_t count;
+	OPTLA_TRY(optla_read_numbers_(ctx, path, &values, &count, NULL));
+	const optla_status s = take_numbers(ctx, values, count, path, nlights, channels, p);
+	optla_free(ctx, values);
+	return s;
 }
 
 /* ---- numbers in arrays ---- */

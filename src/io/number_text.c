@@ -47,6 +47,7 @@ static optla_status parse_number(table *t, const char *text, size_t length)
 static optla_status parse_line(table *t, const char *line, size_t length)
 {
 	const size_t before = t->count;
+	OPTLA_CHECK(t->ctx, !memchr(line, 0, length), OPTLA_ERR_INPUT, "%s:%d: holds a zero byte: this is no text", t->name, t->line);
 	for (size_t k = 0; k < length && line[k] != '#';) {
 		if (separates(line[k])) {
 			k++;

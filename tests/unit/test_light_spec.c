@@ -112,13 +112,15 @@ START_TEST(text_files)
 	ok(optla_light_spec_(ctx, &lights, write_text("b.csv", "1,2,3\r\n4,5,6\r\n7,8,9\r\n"), 3, p)); /* R, G, B of each light */
 	near_array(p, colours, 9, 0);
 	status_is(optla_light_spec_(ctx, &lights, write_text("c.csv", "1,2,3\n4\n"), 1, p), OPTLA_ERR_INPUT);
-	says(&e, "c.csv:2: more numbers than the 3 lights");
+	says(&e, "c.csv:2: 1 numbers in this line, 3 in those before");
+	status_is(optla_light_spec_(ctx, &lights, write_text("c.txt", "1 2\n3 4\n"), 1, p), OPTLA_ERR_INPUT);
+	says(&e, "c.txt: holds 4 numbers, wanted 3");
 	status_is(optla_light_spec_(ctx, &lights, write_text("d.txt", "1\n2\n"), 1, p), OPTLA_ERR_INPUT);
 	says(&e, "d.txt: holds 2 numbers, wanted 3");
 	status_is(optla_light_spec_(ctx, &lights, write_text("e.txt", "1\n\n2 lamp\n"), 1, p), OPTLA_ERR_INPUT);
-	says(&e, "e.txt:3: expected a number at 'lamp'");
+	says(&e, "e.txt:3: 'lamp' is not a finite number");
 	status_is(optla_light_spec_(ctx, &lights, write_text("f.txt", "1\n-2\n3\n"), 1, p), OPTLA_ERR_INPUT);
-	says(&e, "f.txt:2: -2: a light's power is a number of at least 0");
+	says(&e, "f.txt: light 1 has power -2: a light's power is a number of at least 0");
 	status_is(optla_light_spec_(ctx, &lights, write_text("g.txt", "1 inf 3"), 1, p), OPTLA_ERR_INPUT);
 	status_is(optla_light_spec_(ctx, &lights, write_text("h.txt", ""), 1, p), OPTLA_ERR_INPUT);
 	status_is(optla_light_spec_(ctx, &lights, write_text("i.xyz", "hello"), 1, p), OPTLA_ERR_INPUT);
