@@ -13,7 +13,7 @@ help:
 	@echo 'make            build a release into $(BUILD)/ (installs missing packages with apt where it may)'
 	@echo 'make deps       that installing alone'
 	@echo 'make demo       build, run the demonstration, say where its page is'
-	@echo 'make test       build and pass the tests; test-all: the slow statistics as well'
+	@echo 'make test       build and pass the tests; test-all: the slow ones as well'
 	@echo 'make bench      all benchmarks, as JSON lines in $(BUILD)/bench/'
 	@echo 'make install    to PREFIX=$(PREFIX), below DESTDIR if given; uninstall takes it away'
 	@echo 'make docs man   reference of the headers (Doxygen) in $(BUILD)/docs/html/, manual pages in $(BUILD)/docs/'

@@ -4,7 +4,7 @@
 #
 #   scripts/run_tests.sh BUILD [quick|all] [arguments of meson test]
 #
-# quick leaves out the suite 'slow' (statistics over many seeds).
+# quick leaves out the suite 'slow' (statistics over many seeds, all figures of the thesis).
 set -u
 build=$1
 what=${2-quick}

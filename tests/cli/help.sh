@@ -70,6 +70,8 @@ run "a target where none is used" fails 2 "belongs to gmres" "$OPTLA" krylov arn
 run "relight without light" fails 2 "--light SPEC" "$OPTLA" relight m.h5 -o a.png
 run "picture of unknown ending" fails 2 "a picture is written as" "$OPTLA" relight m.h5 --light all -o a.jpg
 run "unknown figure: the known ones are named" fails 2 "fig2.9" "$OPTLA" reproduce fig7.7 -o out
+run "an unknown figure after a known one: nothing is begun" fails 2 "'nosuch' is not a figure" "$OPTLA" reproduce fig2.2 nosuch -o out
+run "no page of an unknown figure" missing out
 run "help for an unknown verb" fails 2 "there is no verb" "$OPTLA" help nosuch
 
 closed_pipe() { # a reader that has seen enough is no error message
