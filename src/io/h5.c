@@ -223,6 +223,44 @@ optla_status optla_h5_open_(optla_ctx *ctx, const char *path, const char *kind, 
 	return status;
 }
 
+static uint64_t little_endian(const unsigned char *at, size_t bytes)
+{
+	uint64_t value = 0;
+	for (size_t k = bytes; k--;) value = value << 8 | at[k];
+	return value;
+}
+
+/* Global heaps hold the texts of variable length and carry no checksum. HDF5 1.10.8 walks from object to object without an end where
+   one has the size 0 or one that wraps around. */
+static bool heap_is_whole(const unsigned char *heap, size_t there)
+{
+	enum { HEADER = 16, SIZE_AT = 8 }; /* of the heap and of each object */
+	const uint64_t size = there < HEADER ? 0 : little_endian(heap + SIZE_AT, 8);
+	if (size < HEADER || size > there) return false;
+	for (uint64_t at = HEADER; size - at >= HEADER;) {
+		const uint64_t bytes = little_endian(heap + at + SIZE_AT, 8), rest = size - at;
+		if (bytes > rest) return false;
+		const bool unused = 0 == little_endian(heap + at, 2); /* its size counts the header */
+		const uint64_t need = unused ? bytes : HEADER + (bytes + 7) / 8 * 8;
+		if (need < HEADER || need > rest) return false;
+		at += need;
+	}
+	return true;
+}
+
+static optla_status check_heaps(const optla_h5 *f, const unsigned char *bytes, size_t count)
+{
+	static const char start[8] = {'G', 'C', 'O', 'L', 1};
+	for (size_t at = 0; count - at >= sizeof start; at++) {
+		const unsigned char *found = memchr(bytes + at, 'G', count - at);
+		if (!found) break;
+		at = (size_t)(found - bytes);
+		OPTLA_CHECK(f->ctx, count - at < sizeof start || memcmp(found, start, sizeof start) || heap_is_whole(found, count - at),
+		            OPTLA_ERR_INPUT, "%s: its heap of texts at byte %zu is damaged", f->path, at);
+	}
+	return OPTLA_OK;
+}
+
 optla_status optla_h5_open_bytes_(optla_ctx *ctx, const void *bytes, size_t count, const char *name, optla_h5 **out)
 {
 	*out = NULL;
@@ -230,6 +268,7 @@ optla_status optla_h5_open_bytes_(optla_ctx *ctx, const void *bytes, size_t coun
 	optla_h5 *f;
 	OPTLA_TRY(make(ctx, name, &f));
 	optla_status status = check_superblock(f, bytes, count);
+	if (OPTLA_OK == status) status = check_heaps(f, bytes, count);
 	if (OPTLA_OK == status) status = open_file(f, bytes, count);
 	if (OPTLA_OK != status) optla_h5_close_(&f);
 	*out = f;

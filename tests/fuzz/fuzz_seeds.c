@@ -2,6 +2,7 @@
 /* Writes a small corpus for each fuzz target with Optla's own writers: fuzz_seeds DIR makes DIR/fuzz_png/..., DIR/fuzz_npy/... */
 #include "io/h5.h"
 #include "io/whole_file.h"
+#include "krylov_problem.h"
 #include "optla/image.h"
 #include "optla/relight.h"
 
@@ -112,6 +113,26 @@ static void model_seeds(optla_ctx *ctx)
 	optla_rig_destroy(&rig);
 }
 
+static void krylov_seeds(optla_ctx *ctx)
+{
+	static const char *const names[] = {"power", "arnoldi", "gmres", "svd"};
+	double matrix[FUZZ_ROWS * FUZZ_COLUMNS], target[FUZZ_ROWS];
+	optla_op *op = fuzz_op(ctx, matrix, target);
+	const optla_krylov_problem problem = {.size = sizeof problem, .op = op, .target = target};
+	optla_krylov_options o = optla_krylov_defaults;
+	o.iterations = 2;
+	for (int method = OPTLA_KRYLOV_POWER; method <= OPTLA_KRYLOV_SVD; method++) {
+		optla_krylov *run;
+		must(ctx, optla_krylov_create(&problem, (optla_krylov_method)method, &o, &run));
+		must(ctx, optla_krylov_run(run));
+		char *path = seed(ctx, "fuzz_krylov", names[method]);
+		must(ctx, optla_krylov_save(run, path));
+		optla_free(ctx, path);
+		optla_krylov_destroy(&run);
+	}
+	optla_op_unref(&op);
+}
+
 static void number_seeds(optla_ctx *ctx)
 {
 	static const char text[] = "# x y z\n0.5, -1e-3 ;2\n\n+.25\t7 8 # end\r\n";
@@ -220,6 +241,7 @@ int main(int argc, char **argv)
 	array_seeds(ctx);
 	h5_seeds(ctx);
 	model_seeds(ctx);
+	krylov_seeds(ctx);
 	number_seeds(ctx);
 	image_seeds(ctx);
 	raw_seed(ctx);
