@@ -13,7 +13,7 @@ typedef struct {
 	uint32_t stream_hi; /* purpose: keeps uses of one seed apart, see enum below */
 } optla_rand;
 
-enum { OPTLA_RAND_SENSOR = 1, OPTLA_RAND_START, OPTLA_RAND_CODES, OPTLA_RAND_NYSTROEM, OPTLA_RAND_CHECK, OPTLA_RAND_TEST };
+enum { OPTLA_RAND_SENSOR = 1, OPTLA_RAND_START = 2, OPTLA_RAND_NYSTROEM = 4, OPTLA_RAND_CHECK = 5, OPTLA_RAND_TEST = 6 };
 
 void optla_rand_block_(optla_rand r, uint64_t stream, uint32_t index, uint32_t dimension, uint32_t out[4]);
 /* uniform in [0, 1), 53 bits */

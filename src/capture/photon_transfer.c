@@ -2,13 +2,11 @@
 /* A sensor's constants from pairs of evenly lit frames. EMVA Standard 1288, Standard for Characterization of Image Sensors and
    Cameras, release 3.1 (2016), section 6. The difference of two frames holds the temporal noise alone: fixed patterns cancel. */
 #include "base/base_impl.h"
+#include "capture/photon.h"
 #include "optla/sensor.h"
 
 #include <math.h>
 #include <string.h>
-
-/* Photon energy at 550 nm, for Ψ: frames don't say of which colour their light was. */
-#define PHOTON_550NM_J 3.6117e-19
 
 typedef struct {
 	double photons, mean, variance, dark_mean, dark_variance; /* counts, counts² */
@@ -183,7 +181,7 @@ static optla_status measure_gain(optla_ctx *ctx, const level *l, size_t used, do
 static void fill_sensor(const optla_photon_transfer *t, optla_sensor *s)
 {
 	s->size = sizeof *s;
-	s->psi_e_per_j = t->quantum_efficiency / PHOTON_550NM_J;
+	s->psi_e_per_j = t->quantum_efficiency / OPTLA_PHOTON_550NM_J;
 	s->gain_e_per_dn = 1 / t->gain_dn_per_e;
 	s->read_noise_dn = t->read_noise_e * t->gain_dn_per_e;
 	s->black_level_dn = t->black_level_dn;

@@ -3,6 +3,7 @@
 #include "optla/sensor.h"
 #include "base/base_impl.h"
 #include "base/random.h"
+#include "capture/photon.h"
 
 #include <math.h>
 #include <string.h>
@@ -12,16 +13,13 @@ typedef struct {
 	optla_sensor sensor;
 } preset;
 
-/* Ψ = quantum efficiency / photon energy, at 550 nm: h c / λ = 3.612e-19 J (Eq. 1.2). */
-#define PHOTON_550NM_J 3.6117e-19
-
 static const preset presets[] = {
     /* Canon EOS 5D Mark II (section 2.4) at ISO 100: published photon-transfer measurements give about 64 600 e full well, 4.1 e
        per count, 28 e read noise; raw files have black at 1024 and clip near 15 760. */
     {"dslr-14bit",
      "14-bit digital SLR like the Canon EOS 5D Mark II at ISO 100",
      {.size = sizeof(optla_sensor),
-      .psi_e_per_j = 0.33 / PHOTON_550NM_J,
+      .psi_e_per_j = 0.33 / OPTLA_PHOTON_550NM_J,
       .gain_e_per_dn = 4.1,
       .read_noise_dn = 6.8,
       .black_level_dn = 1024,
@@ -32,7 +30,7 @@ static const preset presets[] = {
     {"ccd-12bit",
      "12-bit machine-vision CCD, measured from the EMVA 1288 reference frames",
      {.size = sizeof(optla_sensor),
-      .psi_e_per_j = 0.453 / PHOTON_550NM_J,
+      .psi_e_per_j = 0.453 / OPTLA_PHOTON_550NM_J,
       .gain_e_per_dn = 3.58,
       .read_noise_dn = 3.06,
       .black_level_dn = 14.7,
@@ -42,7 +40,7 @@ static const preset presets[] = {
     {"video-8bit",
      "8-bit linear video camera: low dynamic range, quantisation as large as read noise",
      {.size = sizeof(optla_sensor),
-      .psi_e_per_j = 0.5 / PHOTON_550NM_J,
+      .psi_e_per_j = 0.5 / OPTLA_PHOTON_550NM_J,
       .gain_e_per_dn = 41.7,
       .read_noise_dn = 0.36,
       .black_level_dn = 8,

@@ -4,7 +4,6 @@
    libyaml's tree lets an alias point to a node that holds it and lets a few bytes nest without end. So the event stream is walked
    once before the tree is built (depth, a second document), and the finished tree is walked once (depth through aliases,
    duplicate keys, zero bytes in texts). Numbers are read in the C locale whatever the program has set. */
-#include "io/whole_file.h"
 #include "io/yaml_impl.h"
 
 #include <stdlib.h>
@@ -203,17 +202,6 @@ optla_status optla_yaml_parse_(optla_ctx *ctx, const void *bytes, size_t count, 
 	const optla_status status = doc->name ? parse_into(doc, bytes, count) : OPTLA_ERR_NOMEM;
 	if (OPTLA_OK != status) optla_yaml_destroy_(&doc);
 	*out = doc;
-	return status;
-}
-
-optla_status optla_yaml_load_(optla_ctx *ctx, const char *path, optla_yaml **out)
-{
-	*out = NULL;
-	void *bytes;
-	size_t count;
-	OPTLA_TRY(optla_read_file_(ctx, path, &bytes, &count));
-	const optla_status status = optla_yaml_parse_(ctx, bytes, count, path, out);
-	optla_free(ctx, bytes);
 	return status;
 }
 

@@ -9,7 +9,6 @@ typedef struct optla_yaml optla_yaml;
 typedef int optla_yaml_node; /* 0: none */
 
 /* One document; a second one, nesting over 64 levels, a key given twice, a zero byte, more than 32 MiB are errors. */
-optla_status optla_yaml_load_(optla_ctx *ctx, const char *path, optla_yaml **out);
 optla_status optla_yaml_parse_(optla_ctx *ctx, const void *bytes, size_t count, const char *name, optla_yaml **out);
 void optla_yaml_destroy_(optla_yaml **doc);
 

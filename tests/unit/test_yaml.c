@@ -288,28 +288,6 @@ START_TEST(every_allocation_may_fail)
 }
 END_TEST
 
-START_TEST(files)
-{
-	char dir[] = "/tmp/optla-yaml-XXXXXX", path[128];
-	ck_assert_ptr_nonnull(mkdtemp(dir));
-	snprintf(path, sizeof path, "%s/a.yaml", dir);
-	optla_ctx *ctx = test_ctx(&errors, 1);
-	optla_yaml *doc;
-	status_is(optla_yaml_load_(ctx, path, &doc), OPTLA_ERR_INPUT);
-	ck_assert_ptr_nonnull(strstr(errors.text, path));
-	ok(optla_write_file_(ctx, path, "a: 1", 4));
-	ok(optla_yaml_load_(ctx, path, &doc));
-	optla_yaml_destroy_(&doc);
-	char *provenance;
-	ok(optla_ctx_provenance(ctx, &provenance));
-	ck_assert_ptr_nonnull(strstr(provenance, path));
-	optla_free(ctx, provenance);
-	unlink(path);
-	rmdir(dir);
-	optla_ctx_destroy(&ctx);
-}
-END_TEST
-
 static Suite *suite(void)
 {
 	Suite *s = suite_create("yaml");
@@ -323,7 +301,6 @@ static Suite *suite(void)
 	tcase_add_test(c, numbers_do_not_depend_on_the_locale);
 	tcase_add_test(c, any_prefix_gives_a_document_or_an_error);
 	tcase_add_test(c, every_allocation_may_fail);
-	tcase_add_test(c, files);
 	suite_add_tcase(s, c);
 	return s;
 }
