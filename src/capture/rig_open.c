@@ -3,12 +3,25 @@
 #include "capture/rig_open.h"
 #include "io/whole_file.h"
 
+static optla_status unknown_sensor(optla_ctx *ctx, const optla_manifest *m)
+{
+	char *known = optla_format_(ctx, "%s", optla_sensor_preset_name(0, NULL));
+	for (size_t k = 1; known && optla_sensor_preset_name(k, NULL); k++) {
+		char *longer = optla_format_(ctx, "%s, %s", known, optla_sensor_preset_name(k, NULL));
+		optla_free(ctx, known);
+		known = longer;
+	}
+	if (!known) return OPTLA_ERR_NOMEM;
+	const optla_status status = optla_yaml_fail_(m->doc, optla_yaml_get_(m->doc, optla_yaml_root_(m->doc), "sensor"),
+	                                             "'sensor' is '%s': allowed are %s", m->sensor, known);
+	optla_free(ctx, known);
+	return status;
+}
+
 static optla_status open_manifest(optla_ctx *ctx, const char *path, const optla_rig_open_options *options,
                                   const optla_manifest *m, optla_rig **out)
 {
-	if (m->sensor && !optla_sensor_preset(m->sensor))
-		return optla_yaml_fail_(m->doc, optla_yaml_get_(m->doc, optla_yaml_root_(m->doc), "sensor"),
-		                        "'sensor' is '%s': allowed are dslr-14bit, ccd-12bit, video-8bit", m->sensor);
+	if (m->sensor && !optla_sensor_preset(m->sensor)) return unknown_sensor(ctx, m);
 	const optla_rig_labels labels = {.name = m->name, .path = path, .sensor = m->sensor, .exposure_s = m->exposure_s};
 	if (!m->analytic) return optla_rig_from_photos_(ctx, m, options ? options->data_dir : NULL, &labels, out);
 	char *where = optla_format_(ctx, "%s: ", path);

@@ -381,7 +381,7 @@ static const struct {
     {"kind: recorded\nphotos: {pattern: p%d.png, count: 3}\nsaturation_dn: 6000\nsaturated: error\n",
      "samples are saturated (6000 or more); worst photo 'p"},
     {"kind: recorded\nphotos: {pattern: p%d.png, count: 3}\nsensor: eye\n",
-     "rig.yaml:3: 'sensor' is 'eye': allowed are dslr-14bit"},
+     "rig.yaml:3: 'sensor' is 'eye': allowed are dslr-14bit, ccd-12bit, video-8bit"},
     {"kind: recorded\nphotos: {pattern: p%d.png, count: 3}\nlights: {directions: three.txt}\n",
      "rig.yaml:3: 'directions': 'three.txt' is 1 x 3 numbers, wanted are 3 lights x 3"},
     {"kind: recorded\nphotos: {pattern: p%d.png, count: 3}\nlights: {directions: zero.txt}\n",
