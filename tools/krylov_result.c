@@ -16,9 +16,6 @@ void krylov_say_info(krylov_job *j, const optla_krylov_info *i)
 	if (j->high) optla_op_signed_counts(j->high, &high_sign, &high_offset);
 	by_sign += high_sign;
 	by_offset += high_offset;
-	size_t rank = i->rank;
-	optla_cblock d;
-	if (krylov_is_capture(j) && OPTLA_OK == optla_krylov_bases(j->krylov, &d, NULL, NULL)) rank = d.ncols; /* --rank */
 	cli_text(run, "method", j->method_name);
 	cli_text(run, "rig", run->arguments[1]);
 	cli_text(run, "channel", cli_channel_name(j->o.op.channel));
@@ -28,7 +25,7 @@ void krylov_say_info(krylov_job *j, const optla_krylov_info *i)
 	cli_number(run, "ncols", (double)optla_op_ncols(j->op));
 	cli_cost(run, i->photos, i->exposure_s);
 	cli_number(run, "iterations", (double)i->iterations);
-	cli_number(run, "rank", (double)rank);
+	cli_number(run, "rank", (double)i->rank);
 	cli_number(run, "residual", i->residual);
 	cli_number(run, "noise", i->noise);
 	if (j->method == OPTLA_KRYLOV_GMRES) cli_number(run, "noise_allowed", i->noise_allowed);
@@ -42,7 +39,7 @@ void krylov_say_info(krylov_job *j, const optla_krylov_info *i)
 	        cli_channel_name(j->o.op.channel), j->high ? " (photos kept in colour)" : "", optla_op_nrows(j->op),
 	        optla_op_ncols(j->op), j->o.krylov.symmetric ? ", symmetric" : "");
 	cli_say(run, "  iterations       %zu, stopped by: %s\n", i->iterations, optla_stop_name(i->stop));
-	cli_say(run, "  rank             %zu\n", rank);
+	cli_say(run, "  rank             %zu\n", i->rank);
 	cli_say(run, "  photos           %llu, %.4g s of exposure; products split by sign %llu, by offset %llu\n",
 	        (unsigned long long)i->photos, i->exposure_s, (unsigned long long)by_sign, (unsigned long long)by_offset);
 	if (i->photos_saved) cli_say(run, "  photos saved     %llu (more could not help)\n", (unsigned long long)i->photos_saved);

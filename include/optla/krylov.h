@@ -68,8 +68,8 @@ OPTLA_API const char *optla_stop_name(optla_stop stop);
 typedef struct {
 	optla_stop stop;
 	size_t iterations; /**< iterations done */
-	size_t rank;       /**< columns of the result: iterations, less those that noise made useless */
-	uint64_t photos;   /**< taken for this run, those before a resume included */
+	size_t rank;     /**< columns of the result: iterations, less those that noise made useless, at most options.rank when done */
+	uint64_t photos; /**< taken for this run, those before a resume included */
 	double exposure_s;
 	double residual; /**< relative and recomputed, see optla_krylov_options.tolerance */
 	double

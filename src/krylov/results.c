@@ -46,11 +46,16 @@ optla_status optla_krylov_truncate_(optla_krylov *run)
 	return status;
 }
 
+/* A run that goes on shows its bases as they are. */
+static bool is_rotated(const optla_krylov *run) { return run->rd.data && run->done && (size_t)run->opt.rank < run->rank; }
+
+size_t optla_krylov_columns_(const optla_krylov *run) { return is_rotated(run) ? (size_t)run->opt.rank : run->rank; }
+
 optla_status optla_krylov_bases(const optla_krylov *run, optla_cblock *photos, optla_cblock *illuminations, optla_cblock *high)
 {
 	OPTLA_CHECK(run->ctx, run->method != OPTLA_KRYLOV_POWER, OPTLA_ERR_ARG, "power iteration keeps no basis");
-	const bool rotated = run->rd.data && run->done && (size_t)run->opt.rank < run->rank;
-	const size_t n = rotated ? (size_t)run->opt.rank : run->rank;
+	const bool rotated = is_rotated(run);
+	const size_t n = optla_krylov_columns_(run);
 	if (photos) *photos = optla_columns_(optla_block_const(rotated ? run->rd : run->d), 0, n);
 	if (illuminations) *illuminations = optla_columns_(optla_block_const(rotated ? run->rp : run->p), 0, n);
 	if (high) {

@@ -223,7 +223,7 @@ optla_krylov_info optla_krylov_get_info(const optla_krylov *run)
 {
 	optla_krylov_info info = {.stop = run->stop,
 	                          .iterations = run->k,
-	                          .rank = run->rank,
+	                          .rank = optla_krylov_columns_(run),
 	                          .photos = run->photos,
 	                          .exposure_s = run->exposure_s,
 	                          .seconds_operator = run->seconds_operator,

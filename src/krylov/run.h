@@ -94,5 +94,6 @@ optla_status optla_krylov_resume_bytes_(const optla_krylov_problem *problem, con
 optla_status optla_svd_residual_(optla_krylov *run, double *residual); /* largest of the wanted triplets */
 /* results.c: the truncated bases, when options.rank asks for them */
 optla_status optla_krylov_truncate_(optla_krylov *run);
+size_t optla_krylov_columns_(const optla_krylov *run); /* of the bases */
 
 #endif

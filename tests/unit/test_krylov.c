@@ -95,6 +95,7 @@ START_TEST(leading_triplets_from_few_photos)
 		const optla_krylov_info info = optla_krylov_get_info(run);
 		ck_assert_int_eq(info.stop, OPTLA_STOP_TOLERANCE);
 		ck_assert_uint_lt(info.iterations, 35);
+		ck_assert_uint_eq(info.rank, 5);
 		ck_assert_uint_eq(info.photos, info.iterations * (symmetric ? 1 : 2));
 		ck_assert_double_le(info.residual, 1e-12);
 		compare_triplets(ctx, run, symmetric ? ts : t, symmetric ? 50 : 120, 50, 5, 1e-10);
@@ -182,6 +183,8 @@ START_TEST(arnoldi_is_near_the_optimum)
 	optla_cblock p;
 	ok(optla_krylov_bases(run, NULL, &p, NULL));
 	ck_assert_uint_eq(p.ncols, 10);
+	ck_assert_uint_eq(optla_krylov_get_info(run).rank, 10);
+	ck_assert_uint_eq(optla_krylov_get_info(run).iterations, 20);
 	ck_assert_double_lt(orthogonality(p), 1e-13);
 	optla_krylov_destroy(&run);
 	optla_op_unref(&op);
