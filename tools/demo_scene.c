@@ -102,29 +102,6 @@ static optla_status photos_operator(const demo_scene *s, optla_channel channel, 
 	return optla_lab_photos_(s->figure, s->rig, &o, op);
 }
 
-/* The mean of the channels of each pixel (grey illumination, section 2.4). */
-static optla_status channel_mean(const demo_scene *s, optla_scalar type, optla_op **op)
-{
-	optla_ctx *ctx = s->figure->ctx;
-	const size_t n = s->info.npixels, c = s->info.channels;
-	uint64_t *start = optla_array_(ctx, n + 1, sizeof *start);
-	uint32_t *column = optla_array_(ctx, n * c, sizeof *column);
-	const optla_block values = optla_block_(optla_array_(ctx, n * c, optla_scalar_bytes(type)), n * c, 1, type);
-	optla_status status = start && column && values.data ? OPTLA_OK : OPTLA_ERR_NOMEM;
-	if (!status) {
-		for (size_t m = 0; m <= n; m++) start[m] = m * c;
-		for (size_t k = 0; k < n * c; k++) {
-			column[k] = (uint32_t)(k % c * n + k / c);
-			optla_set_(values, k, 0, 1.0 / (double)c);
-		}
-		status = optla_op_sparse(ctx, n, n * c, start, column, optla_block_const(values), op);
-	}
-	optla_free(ctx, start);
-	optla_free(ctx, column);
-	optla_free(ctx, values.data);
-	return status ? status : optla_figure_hold_(s->figure, *op, destroy_op);
-}
-
 /* ---- capture ---- */
 
 static optla_status arnoldi(demo_scene *s, int iterations, bool noisy, optla_krylov **run)
@@ -136,7 +113,8 @@ static optla_status arnoldi(demo_scene *s, int iterations, bool noisy, optla_kry
 	OPTLA_TRY(photos_operator(s, OPTLA_CHANNEL_GREY, noisy, 1, &problem.op));
 	if (s->info.channels > 1) {
 		OPTLA_TRY(photos_operator(s, OPTLA_CHANNEL_ALL, noisy, 2, &problem.high));
-		OPTLA_TRY(channel_mean(s, optla_op_type(problem.op), &problem.reduce));
+		OPTLA_TRY(optla_rig_grey_reduction(s->rig, optla_op_type(problem.op), &problem.reduce));
+		OPTLA_TRY(optla_figure_hold_(s->figure, problem.reduce, destroy_op));
 	}
 	OPTLA_TRY(optla_krylov_create(&problem, OPTLA_KRYLOV_ARNOLDI, &o, run));
 	OPTLA_TRY(optla_figure_hold_(s->figure, *run, destroy_run));

@@ -65,34 +65,6 @@ static optla_status check_options(krylov_job *j)
 	return cli_take_sensor(run, &j->o.sensor, 0, &j->o.op);
 }
 
-/* The mean of the channels of each pixel: npixels x (channels * npixels), section 2.4. */
-static optla_status make_reduce(krylov_job *j, optla_scalar type)
-{
-	optla_ctx *ctx = j->run->ctx;
-	const size_t n = j->info.npixels, c = j->info.channels;
-	uint64_t *start = optla_array_(ctx, n + 1, sizeof *start);
-	uint32_t *column = optla_array_(ctx, n * c, sizeof *column);
-	void *values = optla_array_(ctx, n * c, optla_scalar_bytes(type));
-	optla_status status = start && column && values ? OPTLA_OK : OPTLA_ERR_NOMEM;
-	if (!status) {
-		for (size_t m = 0; m <= n; m++) start[m] = m * c;
-		for (size_t m = 0; m < n; m++)
-			for (size_t k = 0; k < c; k++) {
-				column[m * c + k] = (uint32_t)(k * n + m);
-				if (type == OPTLA_F32)
-					((float *)values)[m * c + k] = 1.0f / (float)c;
-				else
-					((double *)values)[m * c + k] = 1.0 / (double)c;
-			}
-		const optla_cblock block = {values, n * c, 1, n * c, type};
-		status = optla_op_sparse(ctx, n, n * c, start, column, block, &j->reduce);
-	}
-	optla_free(ctx, start);
-	optla_free(ctx, column);
-	optla_free(ctx, values);
-	return status;
-}
-
 static optla_status make_operators(krylov_job *j)
 {
 	OPTLA_TRY(optla_rig_operator(j->rig, &j->o.op, &j->op));
@@ -102,7 +74,7 @@ static optla_status make_operators(krylov_job *j)
 	high.channel = OPTLA_CHANNEL_ALL;
 	OPTLA_TRY(cli_take_sensor(j->run, &j->o.sensor, 1, &high));
 	OPTLA_TRY(optla_rig_operator(j->rig, &high, &j->high));
-	return make_reduce(j, optla_op_type(j->op));
+	return optla_rig_grey_reduction(j->rig, optla_op_type(j->op), &j->reduce);
 }
 
 static optla_status read_target(krylov_job *j)

@@ -111,6 +111,12 @@ OPTLA_API optla_status optla_rig_light_operator(optla_rig *rig, const optla_rig_
 /** optla_op_signed() of the light operator: what Krylov methods use. */
 OPTLA_API optla_status optla_rig_operator(optla_rig *rig, const optla_rig_operator_options *options, optla_op **out);
 
+/**
+ * Mean of the channels of each pixel, npixels x (npixels * channels), sparse: grey photos from those of OPTLA_CHANNEL_ALL, the `reduce` of
+ * optla_krylov_problem (Eq. 2.10, grey illumination of section 2.4). With one channel it is the identity.
+ */
+OPTLA_API optla_status optla_rig_grey_reduction(const optla_rig *rig, optla_scalar type, optla_op **out);
+
 /** Image (width x height, the given number of channels) from row values of an operator: pixels outside the mask are 0. values: npixels *
     channels, channel-major as OPTLA_CHANNEL_ALL. Kind LINEAR. */
 OPTLA_API optla_status optla_rig_image(const optla_rig *rig, const double *values, size_t channels, optla_image **out);

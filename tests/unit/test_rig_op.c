@@ -172,6 +172,48 @@ START_TEST(noise_is_independent_of_threads_and_changes_with_photos)
 }
 END_TEST
 
+/* Grey photos are the means of colour ones: T of grey, which is made by itself, is the reduction times T of all channels. */
+START_TEST(grey_reduction_makes_grey_of_colour)
+{
+	optla_ctx *ctx = test_ctx(NULL, 2);
+	optla_rig *rig = corner(ctx);
+	optla_op *grey, *all;
+	optla_rig_info info;
+	optla_rig_get_info(rig, &info);
+	ck_assert_uint_eq(info.channels, 3);
+	ok(optla_rig_truth(rig, OPTLA_CHANNEL_GREY, &grey));
+	ok(optla_rig_truth(rig, OPTLA_CHANNEL_ALL, &all));
+	const size_t m = info.npixels, h = m * info.channels, n = info.nlights;
+	double *g = malloc(m * n * 8), *a = malloc(h * n * 8), *mean = malloc(m * n * 8);
+	ok(optla_op_to_dense(grey, optla_block_(g, m, n, OPTLA_F64)));
+	ok(optla_op_to_dense(all, optla_block_(a, h, n, OPTLA_F64)));
+	for (int f = 0; f < 2; f++) {
+		const optla_scalar type = f ? OPTLA_F32 : OPTLA_F64;
+		optla_op *reduce;
+		double rel;
+		ok(optla_rig_grey_reduction(rig, type, &reduce));
+		ck_assert_int_eq(optla_op_type(reduce), type);
+		ck_assert_uint_eq(optla_op_nrows(reduce), m);
+		ck_assert_uint_eq(optla_op_ncols(reduce), h);
+		ok(optla_op_check_adjoint(reduce, 5, &rel));
+		ck_assert_double_lt(rel, f ? 1e-6 : 1e-12);
+		if (!f) {
+			ok(optla_op_apply(reduce, OPTLA_FORWARD, optla_cblock_(a, h, n, OPTLA_F64), optla_block_(mean, m, n, OPTLA_F64)));
+			for (size_t k = 0; k < m * n; k++) near_abs(mean[k], g[k], 4e-16 * fabs(g[k])); /* two roundings of either sum */
+		}
+		optla_op_unref(&reduce);
+	}
+	free(mean), free(a), free(g);
+	optla_op *none;
+	status_is(optla_rig_grey_reduction(rig, (optla_scalar)77, &none), OPTLA_ERR_ARG);
+	ck_assert_ptr_null(none);
+	optla_op_unref(&grey);
+	optla_op_unref(&all);
+	optla_rig_destroy(&rig);
+	optla_ctx_destroy(&ctx);
+}
+END_TEST
+
 START_TEST(options_are_checked)
 {
 	error_store e = {0};
@@ -238,9 +280,13 @@ START_TEST(every_allocation_of_a_corner_may_fail)
 		optla_rig *rig;
 		ok(optla_ctx_create(&ctx, &d));
 		b.left = k;
-		const optla_status s = optla_rig_corner(ctx, 3, 2, false, &rig);
-		b.left = 1000000;
+		optla_op *reduce = NULL;
+		optla_status s = optla_rig_corner(ctx, 3, 2, false, &rig);
 		if (s) ck_assert_ptr_null(rig);
+		if (!s) s = optla_rig_grey_reduction(rig, OPTLA_F32, &reduce);
+		b.left = 1000000;
+		if (s) ck_assert_ptr_null(reduce);
+		optla_op_unref(&reduce);
 		optla_rig_destroy(&rig);
 		optla_ctx_destroy(&ctx);
 		ck_assert_msg(b.live == 0, "allocation %ld: %ld leaked", k, b.live);
@@ -262,6 +308,7 @@ int main(void)
 	tcase_add_test(t, light_operator_keeps_ambient_light_and_power);
 	tcase_add_test(t, photos_fill_the_sensor_as_told);
 	tcase_add_test(t, noise_is_independent_of_threads_and_changes_with_photos);
+	tcase_add_test(t, grey_reduction_makes_grey_of_colour);
 	tcase_add_test(t, options_are_checked);
 	tcase_add_test(t, operators_outlive_their_rig);
 	tcase_add_test(t, every_allocation_of_a_corner_may_fail);
