@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* YAML documents: the tree, the readers of values, and the words of every message. */
-#include "io/whole_file.h"
 #include "io/yaml_doc.h"
 #include "near.h"
 
