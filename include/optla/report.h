@@ -23,6 +23,7 @@ typedef struct {
 	size_t size;
 	const char *title, *x_label, *y_label;
 	bool log_x, log_y;
+	double y_range[2]; /**< only points within are drawn; both 0: all. The CSV holds all in any case */
 	const optla_series *series;
 	size_t nseries;
 	size_t width, height; /**< 0: 720 x 480 */

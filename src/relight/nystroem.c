@@ -11,7 +11,7 @@
 #include "relight/basis.h"
 #include "relight/truth_walk.h"
 
-enum { SAMPLE_ROWS = 4096, STREAM_COLUMNS = 1, STREAM_ROWS = 2, STREAM_SAMPLE = 3 };
+enum { SAMPLE_ENTRIES = 4096 * 96, SAMPLE_ROWS_LEAST = 256, STREAM_COLUMNS = 1, STREAM_ROWS = 2, STREAM_SAMPLE = 3 };
 
 /* ---- capture ---- */
 
@@ -112,12 +112,15 @@ static optla_status reserve(optla_nystroem *y)
 	return ok ? OPTLA_OK : OPTLA_ERR_NOMEM;
 }
 
+/* The search costs time by entries of T, not by rows: a wide T needs fewer rows for as good a choice. */
+static size_t sample_rows(size_t ncols) { return optla_max_(SAMPLE_ENTRIES / ncols, SAMPLE_ROWS_LEAST); }
+
 optla_status optla_capture_nystroem_(const optla_capture_job *job, bool kernel)
 {
 	optla_nystroem y = {.job = job,
 	                    .kernel = kernel,
 	                    .most = job->options->ks[job->options->nks - 1],
-	                    .nsample = optla_min_(SAMPLE_ROWS, job->nrows)};
+	                    .nsample = optla_min_(sample_rows(job->ncols), job->nrows)};
 	OPTLA_CHECK(job->ctx, !(optla_op_flags(job->single) & OPTLA_OP_NO_TRANSPOSE), OPTLA_ERR_UNSUPPORTED,
 	            "the Nystroem methods need rows of T, and '%s' has no transpose", optla_op_name(job->single));
 	optla_status s = reserve(&y);

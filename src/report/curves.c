@@ -29,7 +29,7 @@ static optla_status init_curve(optla_figure *figure, const char *label, size_t c
 }
 
 static optla_status arnoldi(optla_figure *figure, const optla_curves_job *job, optla_op *photos, optla_op *truth,
-                            optla_curve *curve)
+                            const char *label, optla_curve *curve)
 {
 	optla_krylov_options o = optla_krylov_defaults;
 	o.iterations = (int)job->iterations;
@@ -37,10 +37,10 @@ static optla_status arnoldi(optla_figure *figure, const optla_curves_job *job, o
 	OPTLA_TRY(optla_lab_run_(figure, photos, OPTLA_KRYLOV_ARNOLDI, &o, NULL, NULL, &run));
 	optla_cblock d, p;
 	OPTLA_TRY(optla_krylov_bases(run, &d, &p, NULL));
-	OPTLA_TRY(init_curve(figure, "optical Arnoldi", d.ncols, curve));
+	OPTLA_TRY(init_curve(figure, label, d.ncols, curve));
 	OPTLA_TRY(optla_relative_errors(d, p, truth, curve->error));
 	const optla_krylov_info info = optla_krylov_get_info(run);
-	for (size_t k = 0; k < d.ncols; k++) { /* each iteration costs the same */
+	for (size_t k = 0; k < d.ncols; k++) { /* each iteration costs the same, but for what the offset takes once */
 		const double share = (double)(k + 1) / (double)info.iterations;
 		curve->k[k] = (double)(k + 1);
 		curve->photos[k] = share * (double)info.photos;
@@ -92,14 +92,18 @@ static optla_status measure_rivals(optla_figure *figure, const optla_curves_job 
 
 optla_status optla_curves_measure_(optla_figure *figure, const optla_curves_job *job, optla_curve curves[OPTLA_CURVES])
 {
-	optla_op *truth, *photos, *single;
+	optla_op *truth, *photos, *offset, *single;
 	optla_rig_operator_options o = optla_lab_camera_(figure, job->channel, job->sensor);
 	OPTLA_TRY(optla_lab_truth_(figure, job->rig, job->channel, &truth));
 	OPTLA_TRY(optla_lab_photos_(figure, job->rig, &o, &photos));
+	OPTLA_TRY(arnoldi(figure, job, photos, truth, "optical Arnoldi", &curves[OPTLA_CURVE_ARNOLDI]));
+	o.split = OPTLA_SPLIT_OFFSET;
+	o.seed = figure->seed + 2;
+	OPTLA_TRY(optla_lab_photos_(figure, job->rig, &o, &offset));
+	OPTLA_TRY(arnoldi(figure, job, offset, truth, "Arnoldi with offset", &curves[OPTLA_CURVE_OFFSET]));
 	o.exposure = single_exposure;
 	o.seed = figure->seed + 1;
 	OPTLA_TRY(optla_lab_light_photos_(figure, job->rig, &o, &single));
-	OPTLA_TRY(arnoldi(figure, job, photos, truth, &curves[OPTLA_CURVE_ARNOLDI]));
 	OPTLA_TRY(measure_rivals(figure, job, photos, single, truth, curves));
 	lend_photos(&curves[OPTLA_CURVE_ARNOLDI], &curves[OPTLA_CURVE_SVD]);
 	return OPTLA_OK;

@@ -7,6 +7,7 @@
 
 typedef enum {
 	OPTLA_CURVE_ARNOLDI,
+	OPTLA_CURVE_OFFSET,
 	OPTLA_CURVE_SVD,
 	OPTLA_CURVE_NYSTROEM,
 	OPTLA_CURVE_KERNEL,
@@ -32,7 +33,8 @@ typedef struct {
 } optla_curves_job;
 
 /**
- * All curves. Arnoldi and the brute-force bases take signed pairs of photos; single lights, columns and rows are one photo each, exposed
+ * All curves. Arnoldi and the brute-force bases take signed pairs of photos (Eq. 2.4); OFFSET is Arnoldi with one photo for each
+ * product, made positive by an offset. Single lights, columns and rows are one photo each, exposed
  * twice as long, as in section 2.5.1: k iterations of Arnoldi and k rows and columns of Nystroem then take the same exposure time. The
  * optimum takes no photos: it is given those of Arnoldi for the same k.
  */

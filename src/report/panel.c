@@ -56,8 +56,16 @@ static optla_status draw_row(optla_ctx *ctx, cairo_t *canvas, const optla_panel 
 	row_size(panels, count, cell_px, &height, &lines);
 	for (size_t k = 0; k < count; k++) {
 		const double x = (double)(GAP + k * (cell_px + GAP));
-		if (panels[k].image)
-			OPTLA_TRY(optla_canvas_image_(ctx, canvas, panels[k].image, x, y, zoom_of(panels[k].image, cell_px)));
+		if (panels[k].image) {
+			const double zoom = zoom_of(panels[k].image, cell_px);
+			OPTLA_TRY(optla_canvas_image_(ctx, canvas, panels[k].image, x, y, zoom));
+			/* a hair line around it: pictures may be as white as the sheet */
+			optla_canvas_colour_(canvas, 0xcccccc);
+			cairo_set_line_width(canvas, 1);
+			cairo_rectangle(canvas, x - 0.5, y - 0.5, zoom * (double)panels[k].image->width + 1,
+			                zoom * (double)panels[k].image->height + 1);
+			cairo_stroke(canvas);
+		}
 		optla_canvas_colour_(canvas, 0x222222);
 		draw_caption(canvas, x, y + (double)height + LINE - 3, panels[k].caption);
 	}

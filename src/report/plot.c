@@ -9,11 +9,11 @@
 #include <math.h>
 #include <string.h>
 
-enum { STYLES = 7, MARKERS_PER_LINE = 24, GREY_TEXT = 0x333333, GREY_GRID = 0xdcdcdc, GREY_MINOR = 0xf0f0f0 };
+enum { STYLES = 8, MARKERS_PER_LINE = 24, GREY_TEXT = 0x333333, GREY_GRID = 0xdcdcdc, GREY_MINOR = 0xf0f0f0 };
 
-static const unsigned colours[STYLES] = {0x0072b2, 0xd55e00, 0x009e73, 0x000000, 0xcc79a7, 0xe69f00, 0x56b4e9};
-static const double dashes[STYLES][4] = {{0},          {8, 3, 0, 0},  {2.5, 2.5, 0, 0},  {10, 3, 2.5, 3},
-                                         {5, 2, 0, 0}, {12, 4, 0, 0}, {1.5, 2.5, 6, 2.5}};
+static const unsigned colours[STYLES] = {0x0072b2, 0xd55e00, 0x009e73, 0x000000, 0xcc79a7, 0xe69f00, 0x56b4e9, 0x8c8c8c};
+static const double dashes[STYLES][4] = {{0},          {8, 3, 0, 0},  {2.5, 2.5, 0, 0},   {10, 3, 2.5, 3},
+                                         {5, 2, 0, 0}, {12, 4, 0, 0}, {1.5, 2.5, 6, 2.5}, {3, 1.5, 0, 0}};
 
 /* Everything in pixels; unit: size of one pixel of the default 720 x 480 chart. */
 typedef struct {
@@ -53,7 +53,9 @@ static optla_status check_plot(optla_ctx *ctx, const optla_plot *plot)
 
 static bool shown(const optla_plot *plot, const optla_series *s, size_t k)
 {
-	return optla_axis_shows_(plot->log_x, s->x[k]) && optla_axis_shows_(plot->log_y, s->y[k]);
+	const bool whole = plot->y_range[0] == 0 && plot->y_range[1] == 0;
+	return optla_axis_shows_(plot->log_x, s->x[k]) && optla_axis_shows_(plot->log_y, s->y[k]) &&
+	       (whole || (s->y[k] >= plot->y_range[0] && s->y[k] <= plot->y_range[1]));
 }
 
 static void init_axes(layout *l)
@@ -169,7 +171,8 @@ static void draw_marker(cairo_t *canvas, const layout *l, size_t style, double x
 	case 3: polygon(canvas, x, y, 1.2 * r, 4, 0); break;
 	case 4: polygon(canvas, x, y, 1.25 * r, 3, 0.5); break;
 	case 5: polygon(canvas, x, y, 1.1 * r, 5, 0); break;
-	default: polygon(canvas, x, y, 1.1 * r, 6, 0); break;
+	case 6: polygon(canvas, x, y, 1.1 * r, 6, 0); break;
+	default: polygon(canvas, x, y, 0.9 * r, 4, 0.5); break;
 	}
 	cairo_fill(canvas);
 }
