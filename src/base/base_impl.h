@@ -53,6 +53,10 @@ void *optla_alloc_(optla_ctx *ctx, size_t bytes);
 void *optla_calloc_(optla_ctx *ctx, size_t count, size_t size);
 /* As optla_calloc_ but not zeroed. */
 void *optla_array_(optla_ctx *ctx, size_t count, size_t size);
+/* strtod with a decimal point in every locale; *end == text: no number. */
+double optla_strtod_(const char *text, char **end);
+/* "%.*g" with a decimal point in every locale whose point is one byte. */
+void optla_double_text_(double value, int digits, char *text, size_t bytes);
 char *optla_strdup_(optla_ctx *ctx, const char *text);
 /* Formatted text owned by the caller; NULL on failure. */
 char *optla_format_(optla_ctx *ctx, const char *format, ...) OPTLA_PRINTF(2, 3);

@@ -68,7 +68,7 @@ static bool parse_number(const char *text, double *v)
 {
 	char *end;
 	errno = 0;
-	*v = strtod(text, &end);
+	*v = optla_strtod_(text, &end);
 	return end != text && !*end && !isnan(*v);
 }
 
@@ -137,7 +137,7 @@ const char *optla_option_format(const optla_option *option, const void *opts, ch
 	case OPTLA_OPTION_BOOL: snprintf(buffer, bytes, "%s", *(const bool *)p ? "true" : "false"); break;
 	case OPTLA_OPTION_U64: snprintf(buffer, bytes, "%llu", (unsigned long long)*(const uint64_t *)p); break;
 	case OPTLA_OPTION_INT: snprintf(buffer, bytes, "%d", *(const int *)p); break;
-	case OPTLA_OPTION_DOUBLE: snprintf(buffer, bytes, "%.12g", *(const double *)p); break;
+	case OPTLA_OPTION_DOUBLE: optla_double_text_(*(const double *)p, 12, buffer, bytes); break;
 	case OPTLA_OPTION_ENUM: {
 		const char *c = option->choices;
 		for (int k = *(const int *)p; k > 0 && c; k--) {

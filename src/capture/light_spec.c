@@ -46,7 +46,7 @@ static optla_status parse_one_light(optla_ctx *ctx, size_t nlights, const char *
 	double power = 1;
 	if ('=' == *end) {
 		const char *text = end + 1;
-		power = strtod(text, &end);
+		power = optla_strtod_(text, &end);
 		OPTLA_CHECK(ctx, end != text, OPTLA_ERR_ARG, "'%s': expected the power of light %llu at '%s'", spec, light, text);
 	}
 	OPTLA_CHECK(ctx, isfinite(power) && power >= 0, OPTLA_ERR_ARG,
@@ -77,10 +77,10 @@ static optla_status parse_point(optla_ctx *ctx, const optla_light_layout *lights
 {
 	const char *azimuth_text = spec + strlen("point:");
 	char *comma, *end = NULL;
-	const double azimuth_deg = strtod(azimuth_text, &comma);
+	const double azimuth_deg = optla_strtod_(azimuth_text, &comma);
 	double elevation_deg = 0;
 	const bool ok = comma != azimuth_text && ',' == *comma;
-	if (ok) elevation_deg = strtod(comma + 1, &end);
+	if (ok) elevation_deg = optla_strtod_(comma + 1, &end);
 	OPTLA_CHECK(ctx, ok && end != comma + 1 && !*end, OPTLA_ERR_ARG,
 	            "'%s': expected point:AZIMUTH,ELEVATION in degrees, as in point:150,30", spec);
 	OPTLA_CHECK(ctx, azimuth_deg >= -360 && azimuth_deg <= 360 && elevation_deg >= -90 && elevation_deg <= 90, OPTLA_ERR_ARG,

@@ -48,11 +48,11 @@ bool optla_image_kind_parse_(const char *text, optla_image_kind *kind)
 double optla_white_parse_(const char *text, double fallback)
 {
 	char *end = NULL;
-	const double white = text ? strtod(text, &end) : 0;
+	const double white = text ? optla_strtod_(text, &end) : 0;
 	return text && end != text && !*end && isfinite(white) && white > 0 ? white : fallback;
 }
 
-void optla_white_format_(double white_dn, char text[32]) { snprintf(text, 32, "%.17g", white_dn); }
+void optla_white_format_(double white_dn, char text[32]) { optla_double_text_(white_dn, 17, text, 32); }
 
 optla_status optla_image_take_provenance_(optla_image *image, const char *text, size_t bytes)
 {

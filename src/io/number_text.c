@@ -36,7 +36,7 @@ static optla_status parse_number(table *t, const char *text, size_t length)
 	if (length < sizeof copy) {
 		memcpy(copy, text, length);
 		copy[length] = 0;
-		if (strspn(copy, "+-.0123456789eE") == length) value = strtod(copy, &end);
+		if (strspn(copy, "+-.0123456789eE") == length) value = optla_strtod_(copy, &end);
 		if (end != copy + length) value = NAN;
 	}
 	OPTLA_CHECK(t->ctx, isfinite(value), OPTLA_ERR_INPUT, "%s:%d: '%.*s' is not a finite number", t->name, t->line,

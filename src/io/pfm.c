@@ -76,7 +76,7 @@ optla_status optla_pfm_decode_(const optla_source *s, optla_image **out)
 	OPTLA_TRY(read_size(s, &at, "width", &width));
 	OPTLA_TRY(read_size(s, &at, "height", &height));
 	const bool found = next_word(s, &at, word);
-	const double scale = strtod(word, &end);
+	const double scale = optla_strtod_(word, &end);
 	OPTLA_CHECK(s->ctx, found && !*end && isfinite(scale) && scale != 0, OPTLA_ERR_INPUT,
 	            "%s: PFM: the scale in the header is '%s', not a number other than zero", s->name, word);
 	/* Both sizes are below 2^32: three channels of floats may still not fit in 64 bits, therefore the comparison in double. */

@@ -25,7 +25,9 @@ static void add_field(optla_text *text, const char *field)
 static void add_number(optla_text *text, double value)
 {
 	/* 17 digits bring back the same double; what isn't a number is left empty */
-	if (isfinite(value)) optla_text_add_(text, "%.17g", value);
+	char digits[32];
+	optla_double_text_(value, 17, digits, sizeof digits);
+	if (isfinite(value)) optla_text_add_(text, "%s", digits);
 }
 
 optla_status optla_plot_save_csv(optla_ctx *ctx, const optla_plot *plot, const char *path)

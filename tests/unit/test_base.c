@@ -4,6 +4,8 @@
 #include "base/random.h"
 #include "near.h"
 
+#include <locale.h>
+
 START_TEST(context_defaults)
 {
 	optla_ctx *ctx;
@@ -227,11 +229,32 @@ START_TEST(a_child_keeps_its_errors_and_inputs_until_the_join)
 }
 END_TEST
 
+/* In the C locale and, where the machine has one, in locales with a decimal comma. */
+START_TEST(numbers_have_a_point_in_every_locale)
+{
+	static const char *const names[] = {"C", "de_DE.UTF-8", "fr_FR.UTF-8"};
+	for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
+		const locale_t l = newlocale(LC_ALL_MASK, names[k], (locale_t)0);
+		if (!l) continue;
+		const locale_t old = uselocale(l);
+		char text[32], *end;
+		const double value = optla_strtod_("-2.5e1,7", &end);
+		optla_double_text_(0.125, 17, text, sizeof text);
+		uselocale(old);
+		freelocale(l);
+		ck_assert_double_eq(value, -25);
+		ck_assert_str_eq(end, ",7");
+		ck_assert_str_eq(text, "0.125");
+	}
+}
+END_TEST
+
 int main(void)
 {
 	Suite *s = suite_create("base");
 	TCase *t = tcase_create("base");
 	tcase_set_timeout(t, 60);
+	tcase_add_test(t, numbers_have_a_point_in_every_locale);
 	tcase_add_test(t, context_defaults);
 	tcase_add_test(t, memory_limit_is_an_error_with_values);
 	tcase_add_test(t, random_numbers_have_their_moments);
