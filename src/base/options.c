@@ -80,8 +80,8 @@ static optla_status bad(optla_ctx *ctx, const optla_option *o, const char *text)
 	case OPTLA_OPTION_BOOL: return OPTLA_FAIL(ctx, OPTLA_ERR_ARG, "option '%s': '%s' is not true or false", o->name, text);
 	case OPTLA_OPTION_INT:
 	case OPTLA_OPTION_U64:
-		return OPTLA_FAIL(ctx, OPTLA_ERR_ARG, "option '%s': '%s' is not a whole number from %.0f to %g", o->name, text, o->lower,
-		                  o->upper);
+		return OPTLA_FAIL(ctx, OPTLA_ERR_ARG, "option '%s': '%s' is not a whole number from %.0f to %.0f", o->name, text,
+		                  o->lower, o->upper);
 	case OPTLA_OPTION_DOUBLE:
 	case OPTLA_OPTION_STRING: break;
 	}
