@@ -34,8 +34,8 @@ static optla_status set_levels(optla_recorded *r, const optla_image *first)
 	r->black_linear = optla_recorded_linear_(r, m->black_level_dn);
 	r->white_linear = optla_recorded_linear_(r, white_dn);
 	if (!(r->white_linear > r->black_linear))
-		return optla_yaml_fail_(m->doc, m->photos_node, "black (%g counts) is not below white (%g counts)", m->black_level_dn,
-		                        white_dn);
+		return optla_yaml_fail_(m->doc, m->black_node ? m->black_node : m->photos_node,
+		                        "black (%g counts) is not below white (%g counts)", m->black_level_dn, white_dn);
 	return OPTLA_OK;
 }
 

@@ -41,7 +41,8 @@ typedef struct {
 	size_t crop[4];   /* x, y, width, height; width 0: none */
 	const char **dark;
 	size_t ndark;
-	double black_level_dn; /* when there are no dark frames */
+	double black_level_dn;      /* when there are no dark frames */
+	optla_yaml_node black_node; /* where it is given */
 	optla_response response;
 	double saturation_dn; /* 0: the photo's white level */
 	bool saturated_is_error;

@@ -141,6 +141,7 @@ static optla_status parse_levels(optla_manifest *m, optla_yaml_node root)
 	const optla_yaml_node crop = optla_yaml_get_(doc, root, "crop"), dark = optla_yaml_get_(doc, root, "dark"),
 	                      black = optla_yaml_get_(doc, root, "black_level_dn"), response = optla_yaml_get_(doc, root, "response");
 	if (dark && black) return optla_yaml_fail_(doc, black, "give 'dark' or 'black_level_dn', not both");
+	m->black_node = black;
 	if (crop) OPTLA_TRY(parse_crop(m, crop));
 	if (dark) OPTLA_TRY(parse_dark(m, dark));
 	if (response) OPTLA_TRY(parse_response(m, response));
