@@ -25,8 +25,9 @@ typedef struct {
 static const relight_options relight_defaults = {.size = sizeof relight_defaults};
 static const optla_option relight_fields[] = {
     {"light", offsetof(relight_options, light), OPTLA_OPTION_STRING, "SPEC", 0, 0, NULL,
-     "Which light: 'all'; 'light:7' or 'light:7=0.5,9=1' (from 0); 'point:AZIMUTH,ELEVATION' (degrees); a file of one number per "
-     "light (.npy, "
+     "Which light: 'all'; 'light:7' or 'light:7=0.5,9=1' (from 0); 'point:AZIMUTH,ELEVATION' in degrees as the scene sees it "
+     "(azimuth 180 is where the camera is, 90 its right, 0 behind the scene; elevation is up); a file of one number per light "
+     "(.npy, "
      ".csv, .txt); a picture of the projector's size; 'env:FILE', a latitude-longitude picture. Pictures in colour give coloured "
      "light."},
     {"reference", offsetof(relight_options, reference), OPTLA_OPTION_STRING, "FILE", 0, 0, NULL,
@@ -194,6 +195,8 @@ static optla_status run_relight(cli_run *run)
 	if (!o->relight.light)
 		return cli_fail(run, OPTLA_ERR_ARG, "'relight' needs '--light SPEC': which light to show the scene under");
 	OPTLA_TRY(cli_check_picture(run, run->shared.out));
+	optla_rig_operator_options unused;
+	OPTLA_TRY(cli_take_sensor(run, &o->sensor, 0, &unused)); /* a wrong name is wrong for a model too */
 	cli_input input;
 	OPTLA_TRY(cli_input_of(run, run->arguments[0], &input));
 	optla_image *image = NULL;
