@@ -127,8 +127,10 @@ static optla_status dual_rig(cli_run *run, const char *path)
 	double *r = NULL, *s = optla_array_(run->ctx, info.nlights, sizeof *s);
 	optla_status status = OPTLA_OK;
 	if (!info.has_transpose)
-		status = cli_fail(run, OPTLA_ERR_UNSUPPORTED,
-		                  "%s: this rig has no camera on the projector's side, it can't take a dual photo", path);
+		status =
+		    cli_fail(run, OPTLA_ERR_UNSUPPORTED,
+		             "%s: this rig has no camera on the projector's side ('transpose: false'), it can't take a dual photo", path);
+	if (!status) status = cli_check_grid(run, info.light_width, run->shared.out);
 	cli_default_sensor(&info, &o.sensor);
 	if (!status) status = cli_take_sensor(run, &o.sensor, 0, &o.op);
 	if (!status) status = s ? optla_rig_light_operator(rig, &o.op, &op) : OPTLA_ERR_NOMEM;

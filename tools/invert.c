@@ -151,9 +151,12 @@ static optla_status prepare(job *j)
 	OPTLA_TRY(cli_check_picture(run, j->o.invert.photo));
 	OPTLA_TRY(cli_open_rig(run, run->arguments[0], &j->rig));
 	optla_rig_get_info(j->rig, &j->info);
+	OPTLA_TRY(cli_check_grid(run, j->info.light_width, run->shared.out));
 	OPTLA_TRY(cli_load_linear(run, j->o.invert.target, &j->target));
 	cli_default_sensor(&j->info, &j->o.sensor);
 	if (!cli_given(run, "symmetric")) j->o.krylov.symmetric = j->info.symmetric;
+	if (!j->o.krylov.symmetric) OPTLA_TRY(cli_check_transpose(run, &j->info, "gmres"));
+	if (!cli_given(run, "iterations")) j->o.krylov.iterations = cli_iterations(&j->info, j->o.krylov.iterations);
 	j->colours = j->target->channels == 3 && j->info.channels == 3 && !cli_given(run, "channel") ? 3 : 1;
 	j->lights = optla_calloc_(run->ctx, j->info.nlights * j->colours, sizeof *j->lights);
 	j->photo = optla_calloc_(run->ctx, j->info.npixels * j->colours, sizeof *j->photo);

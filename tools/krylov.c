@@ -103,6 +103,8 @@ static optla_status read_target(krylov_job *j)
 static optla_status check_resumed(krylov_job *j)
 {
 	cli_h5_list list;
+	cli_input input;
+	OPTLA_TRY(cli_input_of(j->run, j->o.extra.resume, &input)); /* says so when there is no such file */
 	optla_status status = cli_h5_read_list(j->run, j->o.extra.resume, &list);
 	const cli_h5_attribute *method = status ? NULL : cli_h5_find_attribute(&list, "method");
 	if (method && method->text && strcmp(method->text, j->method_name))
@@ -122,6 +124,10 @@ static optla_status prepare(krylov_job *j)
 	cli_default_sensor(&j->info, &j->o.sensor);
 	OPTLA_TRY(cli_take_sensor(j->run, &j->o.sensor, 0, &j->o.op));
 	if (!cli_given(j->run, "symmetric")) j->o.krylov.symmetric = j->info.symmetric;
+	if (!j->o.krylov.symmetric) OPTLA_TRY(cli_check_transpose(j->run, &j->info, j->method_name));
+	if (!krylov_is_capture(j)) OPTLA_TRY(cli_check_grid(j->run, j->info.light_width, j->run->shared.out));
+	if (!cli_given(j->run, "iterations") && !j->o.extra.resume)
+		j->o.krylov.iterations = cli_iterations(&j->info, j->o.krylov.iterations);
 	OPTLA_TRY(make_operators(j));
 	OPTLA_TRY(read_target(j));
 	const optla_krylov_problem problem = {

@@ -74,6 +74,8 @@ optla_status cli_check_output(const cli_run *run, const char *path)
 	struct stat s;
 	if (!stat(path, &s) && S_ISDIR(s.st_mode))
 		return cli_fail(run, OPTLA_ERR_IO, "'%s' is a directory, not a file to write", path);
+	if (!stat(path, &s) && !S_ISREG(s.st_mode))
+		return cli_fail(run, OPTLA_ERR_IO, "'%s' is a pipe or a device, so no file can be written there", path);
 	char *dir = optla_path_dir_(run->ctx, path);
 	if (!dir) return OPTLA_ERR_NOMEM;
 	optla_status status = OPTLA_OK;

@@ -90,6 +90,26 @@ optla_status cli_check_lights(const cli_run *run, const char *path)
 	return cli_check_output(run, path);
 }
 
+optla_status cli_check_grid(const cli_run *run, size_t light_width, const char *path)
+{
+	if (!path || light_width || !one_of(ending(path), picture_endings) || !strcmp(ending(path), ".npy")) return OPTLA_OK;
+	return cli_fail(run, OPTLA_ERR_ARG, "'%s': the lights of this rig aren't on a grid: write them as .csv or .npy", path);
+}
+
+optla_status cli_check_transpose(const cli_run *run, const optla_rig_info *info, const char *method)
+{
+	if (info->has_transpose) return OPTLA_OK;
+	return cli_fail(run, OPTLA_ERR_UNSUPPORTED,
+	                "rig '%s' says 'transpose: false', but %s needs light from the camera's side too (Tᵀ r): 'transpose: true' "
+	                "lets the recorded photos answer it",
+	                info->name, method);
+}
+
+int cli_iterations(const optla_rig_info *info, int iterations)
+{
+	return info->nlights < (size_t)iterations ? (int)info->nlights : iterations;
+}
+
 optla_status cli_save_picture(const cli_run *run, const optla_image *image, const cli_picture_options *options, const char *path)
 {
 	if (strcmp(ending(path), ".png") || image->kind != OPTLA_IMAGE_LINEAR) return optla_image_save(image, path);
@@ -138,9 +158,7 @@ optla_status cli_save_lights(const cli_run *run, const cli_lights *lights, const
 {
 	if (!strcmp(ending(path), ".csv")) return save_csv(run, lights, values, channels, path);
 	if (!strcmp(ending(path), ".npy")) return save_npy(run, lights, values, channels, path);
-	if (!lights->width)
-		return cli_fail(run, OPTLA_ERR_UNSUPPORTED, "'%s': the lights of this rig aren't on a grid: write them as .csv or .npy",
-		                path);
+	OPTLA_TRY(cli_check_grid(run, lights->width, path));
 	optla_image *image = NULL;
 	OPTLA_TRY(optla_image_create(run->ctx, lights->width, lights->height, channels, OPTLA_IMAGE_LINEAR, &image));
 	for (size_t k = 0; k < lights->n; k++)

@@ -36,6 +36,12 @@ optla_status cli_save_picture(const cli_run *run, const optla_image *image, cons
 /* OPTLA_ERR_ARG before the work when the name has an ending that no picture (or illumination) can be written to. */
 optla_status cli_check_picture(const cli_run *run, const char *path);
 optla_status cli_check_lights(const cli_run *run, const char *path);
+/* The same when the lights aren't on a grid and the name is that of a picture. */
+optla_status cli_check_grid(const cli_run *run, size_t light_width, const char *path);
+/* OPTLA_ERR_UNSUPPORTED when the rig can't answer Tᵀ, which that method needs. */
+optla_status cli_check_transpose(const cli_run *run, const optla_rig_info *info, const char *method);
+/* The default number of iterations, or that of all lights where there are fewer. */
+int cli_iterations(const optla_rig_info *info, int iterations);
 
 /* Lights of a rig or model: n lights, on a grid of width x height if width isn't 0. */
 typedef struct {

@@ -15,8 +15,8 @@ static optla_status check_problem(optla_ctx *ctx, const optla_krylov_problem *pr
 	OPTLA_CHECK(ctx, !o->symmetric || nrows == ncols, OPTLA_ERR_SHAPE,
 	            "the symmetric form needs a square operator, '%s' is %zu x %zu", optla_op_name(problem->op), nrows, ncols);
 	OPTLA_CHECK(ctx, method == OPTLA_KRYLOV_POWER || (size_t)o->iterations <= ncols, OPTLA_ERR_ARG,
-	            "%d iterations are wanted, but a %zu x %zu operator has only %zu independent illuminations", o->iterations, nrows,
-	            ncols, ncols);
+	            "%d iterations are wanted, but a %zu x %zu operator has only %zu independent illuminations: ask for no more",
+	            o->iterations, nrows, ncols, ncols);
 	OPTLA_CHECK(ctx, o->rank <= o->iterations, OPTLA_ERR_ARG, "rank %d is wanted from %d iterations: it can't be larger", o->rank,
 	            o->iterations);
 	OPTLA_CHECK(ctx, o->symmetric || !(optla_op_flags(problem->op) & OPTLA_OP_NO_TRANSPOSE), OPTLA_ERR_UNSUPPORTED,

@@ -129,7 +129,7 @@ run "a csv with a word in it" bad_csv
 
 off_grid() { # lights without a grid can't be a picture
 	sed 's/, grid: \[3, 3\]//' rec/rig.yaml >rec/off.yaml
-	fails 1 "aren't on a grid" "$OPTLA" dual rec/off.yaml -o bad.exr && missing bad.exr && works "$OPTLA" dual rec/off.yaml -o off.csv &&
+	fails 2 "aren't on a grid" "$OPTLA" dual rec/off.yaml -o bad.exr && missing bad.exr && works "$OPTLA" dual rec/off.yaml -o off.csv &&
 		[ "$(wc -l <off.csv)" -eq 9 ]
 }
 run "lights that aren't on a grid are written as numbers" off_grid
