@@ -11,5 +11,7 @@ build=${1-build-asan}
 ninja -C "$build" || exit 1
 # An allocation that is too large must be answered as malloc does, by NULL. A first undefined behaviour ends the test.
 export ASAN_OPTIONS=detect_leaks=1:allocator_may_return_null=1 UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1
+# Check has time limits of its own for each case
+export CK_TIMEOUT_MULTIPLIER=6
 export LSAN_OPTIONS="suppressions=$PWD/tests/support/lsan.supp:print_suppressions=0"
 exec scripts/run_tests.sh "$build" quick --timeout-multiplier 6 "$@"
