@@ -151,6 +151,9 @@ optla_status optla_figure_relighting_(optla_figure *figure)
 	OPTLA_TRY(capture(&e));
 	OPTLA_TRY(show(&e));
 	OPTLA_TRY(measure(&e));
+	optla_figure_say_(
+	    figure, "More iterations bring in finer detail and more noise: past some k the photo gets worse again. The noise-aware "
+	            "stopping rule (section 2.7; noise_stop) is there to end a run at that point.");
 	optla_figure_say_(figure, "Best exponent of kernel Nyström: %.2f.", e.exponent);
 	return optla_figure_held_out_(figure);
 }

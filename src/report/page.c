@@ -60,6 +60,10 @@ static void add_range(optla_text *t, const optla_number *n)
 		optla_text_add_(t, "reported");
 		return;
 	}
+	if (n->low == n->high) {
+		add_value(t, n->low);
+		return;
+	}
 	if (!isinf(n->low)) {
 		if (isinf(n->high)) optla_text_add_(t, "≥ ");
 		add_value(t, n->low);
