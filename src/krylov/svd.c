@@ -116,7 +116,12 @@ static optla_status small_eigen(const optla_krylov *run, double *values, double 
 /* Coefficients of left vectors belong to Q (kept in r) or, for symmetric T, to P. */
 static optla_cblock left_basis(const optla_krylov *run) { return optla_block_const(run->opt.symmetric ? run->p : run->r); }
 
-static size_t wanted(const optla_krylov *run) { return run->opt.rank ? optla_min_((size_t)run->opt.rank, run->k) : run->k; }
+/* The columns of the result (info.rank), or before there is one as many as asked for. */
+static size_t wanted(const optla_krylov *run)
+{
+	const size_t k = run->rank ? optla_min_(run->rank, run->k) : run->k;
+	return run->opt.rank ? optla_min_((size_t)run->opt.rank, k) : k;
+}
 
 /* max(||T v - σ u||, ||Tᵀ u - σ v||) / σ_1, T v = D y and Tᵀ u = S x being sums of photos that were taken. t: scratch columns. */
 static optla_status triplet_residual(const optla_krylov *run, size_t j, const double *values, const double *x, const double *y,
