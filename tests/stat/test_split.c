@@ -4,55 +4,7 @@
 #include "math/dense.h"
 #include "near.h"
 #include "optla/relight.h"
-
-#include <unistd.h>
-
-typedef struct {
-	optla_ctx *ctx;
-	optla_rig *rig;
-	optla_op *truth;
-	size_t nrows, ncols;
-} setting;
-
-static setting corner(void)
-{
-	setting s = {.ctx = test_ctx(NULL, 1)};
-	static const char text[] =
-	    "kind: analytic\n"
-	    "camera: {position_m: [0.62, 0.75, 2.30], look_at_m: [0.42, 0.42, 0.20], field_of_view_deg: 26, size: [32, 32]}\n"
-	    "screen: {x_m: 1.05, y_m: [0.10, 0.95], z_m: [0.10, 0.95], size: [16, 16]}\n";
-	char path[] = "/tmp/optla_split_XXXXXX";
-	const int file = mkstemp(path);
-	ck_assert_int_ge(file, 0);
-	ck_assert_int_eq(write(file, text, sizeof text - 1), sizeof text - 1);
-	close(file);
-	ok(optla_rig_open(s.ctx, path, NULL, &s.rig));
-	unlink(path);
-	ok(optla_rig_truth(s.rig, OPTLA_CHANNEL_GREY, &s.truth));
-	s.nrows = optla_op_nrows(s.truth);
-	s.ncols = optla_op_ncols(s.truth);
-	return s;
-}
-
-static void leave(setting *s)
-{
-	optla_op_unref(&s->truth);
-	optla_rig_destroy(&s->rig);
-	optla_ctx_destroy(&s->ctx);
-}
-
-static optla_op *camera(const setting *s, const char *sensor, optla_split split, uint64_t seed)
-{
-	optla_rig_operator_options o = optla_rig_operator_defaults;
-	optla_op *op;
-	o.sensor = optla_sensor_preset(sensor);
-	ck_assert_ptr_nonnull(o.sensor);
-	o.type = OPTLA_F64;
-	o.split = split;
-	o.seed = seed;
-	ok(optla_rig_operator(s->rig, &o, &op));
-	return op;
-}
+#include "screen_corner.h"
 
 /* A signed pattern with a given share of its light below zero. */
 static void make_pattern(double *p, size_t n, double lift)
@@ -68,7 +20,7 @@ static double measured_noise(const setting *s, const char *sensor, optla_split s
 	const optla_cblock x = optla_cblock_(p, s->ncols, 1, OPTLA_F64);
 	ok(optla_op_apply(s->truth, OPTLA_FORWARD, x, optla_block_(exact, s->nrows, 1, OPTLA_F64)));
 	for (uint64_t seed = 1; seed <= SEEDS; seed++) {
-		optla_op *op = camera(s, sensor, split, seed);
+		optla_op *op = camera(s, sensor, 1, split, seed);
 		ok(optla_op_apply(op, OPTLA_FORWARD, x, optla_block_(y, s->nrows, 1, OPTLA_F64)));
 		for (size_t m = 0; m < s->nrows; m++) sum += (y[m] - exact[m]) * (y[m] - exact[m]) / SEEDS;
 		said += optla_op_noise(op) * optla_op_noise(op) / SEEDS;
@@ -106,7 +58,7 @@ END_TEST
 /* Error of T (Eq. 2.11) of a run that spends a budget of photos and stops when noise wins. */
 static double error_for_budget(const setting *s, const char *sensor, optla_split split, uint64_t seed)
 {
-	optla_op *op = camera(s, sensor, split, seed);
+	optla_op *op = camera(s, sensor, 1, split, seed);
 	optla_krylov_options o = optla_krylov_defaults;
 	optla_krylov *run;
 	o.iterations = 100;
