@@ -5,8 +5,8 @@
 
 #include <math.h>
 
-static const size_t corner_ks[] = {2, 5, 10, 20, 30, 50, 80};
-static const size_t ball_ks[] = {1, 2, 5, 10, 15, 20, 30, 45, 60, 80, 95};
+static const size_t corner_ks[] = {5, 10, 20, 30, 50, 80};
+static const size_t ball_ks[] = {2, 5, 10, 20, 30, 45, 60, 80, 95};
 static const size_t judged_ks[] = {10, 20, 30};
 enum { CORNER_KS = sizeof corner_ks / sizeof *corner_ks, BALL_KS = sizeof ball_ks / sizeof *ball_ks, JUDGED = 3 };
 
